@@ -10,7 +10,7 @@
 
 namespace lamina {
 
-/// What `run()` returns, run in a process of its own, so that its peak of memory is its own. Absent
+/// Result of `run()`, run in a process of its own, so that its peak of memory is its own. Absent
 /// if that process fails. Threads do not survive a fork: the process that calls must have had none.
 template <class Run>
 [[nodiscard]] std::optional<std::invoke_result_t<Run>> run_apart(const Run& run) {

@@ -28,7 +28,7 @@ struct NumberSummary {
 /// Chi squared of each band, and how much its errors have grown.
 [[nodiscard]] std::string chi_squared_text(const Capture& capture, const AcquiredSkin& skin);
 
-/// What shares of the prior mean: "told", "told in part", "differences only", "from the prior".
+/// Shares of the prior in words: "told", "told in part", "differences only", "from the prior".
 [[nodiscard]] std::string told_text(const NumberSummary& number);
 
 /// An acquisition as one HTML page that needs nothing else: pictures of the capture, of what the

@@ -9,7 +9,7 @@
 
 namespace lamina::cli {
 
-/// What the user asked of `lamina bsdf`. Each model reads its own part.
+/// Options of `lamina bsdf`. Each model reads its own part.
 struct BsdfOptions {
   CommonOptions common;
   std::string material;               ///< file or built-in; "" if a model is asked for
@@ -38,7 +38,8 @@ struct BsdfOptions {
 /// A layered material. @throws InvalidInput, FileError, WriteError
 void run_material_bsdf(const BsdfOptions& options);
 
-/// The same by photons, in cells of equal solid angle. @throws InvalidInput, FileError, WriteError
+/// Prints a BSDF by photons, in cells of equal solid angle. @throws InvalidInput, FileError,
+/// WriteError
 void run_monte_carlo_bsdf(const BsdfOptions& options);
 
 /// The rough surface of Xu and Sun. @throws InvalidInput, WriteError

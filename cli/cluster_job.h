@@ -10,7 +10,7 @@
 // A command of lamina that many machines share: its shards, the job of each, and the merge.
 namespace lamina::cli {
 
-/// What a shard leaves, and the merge takes.
+/// Kinds of files that shards leave, and the merge takes.
 enum class ShardKind {
   picture,  ///< sums of a film, for `lamina merge`
   photons,  ///< JSON of counts, of a run that can go on

@@ -26,7 +26,7 @@ struct PartState {
   std::string host = {};  ///< where it was started
 };
 
-/// What can be seen of a job now: its files, and Slurm's queue where there is one.
+/// Progress of a job as seen now: its files, and Slurm's queue where there is one.
 struct ClusterState {
   PartState prepare, merge;
   std::vector<PartState> shards;

@@ -87,7 +87,7 @@ void say(std::string_view message);
 /// Text without what would steer a terminal, which is shown as \x1b, but for the bytes `also`.
 [[nodiscard]] std::string printable(std::string_view text, std::string_view also);
 
-/// What work has to hand over when it is asked to stop.
+/// Results that work hands over when it is asked to stop.
 enum class Keeps {
   what_there_is,  ///< from the first progress on; until then it is ended at once
   nothing,        ///< before its end: it is ended at once

@@ -29,7 +29,7 @@ void add_edit_steps(const Command& command, std::vector<EditStep>& steps);
 /// The option, for messages: "--tan".
 [[nodiscard]] std::string option_of(const EditStep& step);
 
-/// What was done, in a result.
+/// One step of an edit, in a result.
 [[nodiscard]] JsonOutput step_json(const EditStep& step);
 
 }  // namespace lamina::cli

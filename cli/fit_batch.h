@@ -11,7 +11,7 @@
 
 namespace lamina::cli {
 
-/// What a batch fits, and where its table goes.
+/// Measurements that a batch fits, and where its table goes.
 struct FitBatch {
   std::string measurement;            ///< file
   std::vector<std::string> settings;  ///< of it

@@ -24,10 +24,10 @@ using HtmlRows = std::vector<std::vector<std::string>>;  ///< [row][column] HTML
 /// The numbers that were found.
 [[nodiscard]] std::string found_html(const Measurement& measurement, const MeasurementFit& fit);
 
-/// What was measured, and how.
+/// Tables of the measured values, and how they were measured.
 [[nodiscard]] std::string measured_html(const Measurement& measurement, const MeasurementFit& fit);
 
-/// What is free and what is not, and the layers as they were found.
+/// Tables of free and fixed parameters, and of the layers that were found.
 [[nodiscard]] std::string assumed_html(const Measurement& measurement, const MeasurementFit& fit);
 
 /// Every measured number beside what the fit predicts.

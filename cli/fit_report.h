@@ -19,7 +19,7 @@ namespace lamina::cli {
 
 [[nodiscard]] std::string fit_text(const Measurement& measurement, const MeasurementFit& fit);
 
-/// What was measured with its errors, what the fit predicts, and what is left.
+/// Plot of measured values with their errors, predictions of the fit, and residuals.
 [[nodiscard]] Plot fit_plot(const Measurement& measurement, const MeasurementFit& fit);
 
 }  // namespace lamina::cli

@@ -27,7 +27,7 @@ struct FittedSample {
   std::vector<Number> numbers;
 };
 
-/// What the fits of a batch come to.
+/// Results of the fits of a batch.
 struct FittedBatch {
   struct Refused {
     std::string name, reason;
@@ -53,7 +53,7 @@ struct FitShard {
   FittedBatch batch;
 };
 
-/// As JSON, with a checksum of all that counts.
+/// Encodes a shard as JSON, with a checksum of all that counts.
 [[nodiscard]] JsonOutput fit_shard_json(const FitShard& shard);
 
 /// Whether a file starts as JSON of such a shard does.

@@ -7,11 +7,11 @@
 
 namespace lamina::cli {
 
-/// What --incidence says: normal, diffuse, or an angle from the normal in degrees, in [0, 90).
+/// Value of --incidence: normal, diffuse, or an angle from the normal in degrees, in [0, 90).
 /// @throws InvalidInput for anything else.
 [[nodiscard]] Incidence parse_incidence(const std::string& text);
 
-/// The same where it must be an angle [degrees].
+/// Value of --incidence where it must be an angle [degrees].
 [[nodiscard]] double parse_incidence_degrees(const std::string& text);
 
 }  // namespace lamina::cli

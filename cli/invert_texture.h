@@ -13,7 +13,7 @@
 
 namespace lamina::cli {
 
-/// What is wanted of the texels of a texture.
+/// Settings of the inversion of a texture's texels.
 struct TextureInversion {
   std::string file;
   ColorEncoding encoding = ColorEncoding::srgb;

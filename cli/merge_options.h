@@ -10,7 +10,7 @@
 
 namespace lamina::cli {
 
-/// What `lamina merge` was asked for.
+/// Options of `lamina merge`.
 struct MergeOptions {
   CommonOptions common;
   std::vector<std::string> files;

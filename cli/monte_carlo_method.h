@@ -13,7 +13,7 @@
 
 namespace lamina::cli {
 
-/// What a Monte Carlo method spends, and on what: --photons, --relative-error, --time,
+/// Effort of a Monte Carlo method: --photons, --relative-error, --time,
 /// --independent-bands.
 struct MonteCarloEffort {
   std::optional<double> photons;  ///< per band; as typed, so that 1e6 will do

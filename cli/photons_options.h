@@ -11,7 +11,7 @@
 
 namespace lamina::cli {
 
-/// What `lamina photons` was asked for.
+/// Options of `lamina photons`.
 struct PhotonsOptions {
   CommonOptions common;
   std::string material, bands;
@@ -60,7 +60,7 @@ class PhotonWork {
   /// Reads what an earlier call has kept, where --resume says. @throws InvalidInput; FileError
   explicit PhotonWork(const PhotonsOptions& options);
 
-  /// What is counted, by its number and its name. Numbers come in their order.
+  /// Place where photons are counted, by its number and its name. Numbers come in their order.
   struct Place {
     std::size_t run = 0;
     std::string name;

@@ -23,7 +23,7 @@ struct PhotonRun {
   int of = 1;                        ///< of so many; > 1 only while not all are merged
 };
 
-/// Its name, and the shards that it has if those are not all.
+/// Name of a run, and the shards that it has if those are not all.
 [[nodiscard]] std::string title_of(const PhotonRun& run);
 
 /// Totals and tallies as JSON; the last index of every array is the band.

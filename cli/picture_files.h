@@ -11,9 +11,9 @@ struct PictureFiles {
   std::string exr, png;
 };
 
-/// What --output asks for. NAME.exr or NAME.png is that file. Without an ending, or with one that
-/// starts with a digit, as of the frame in beauty.0001, it is NAME.exr and NAME.png. In a folder,
-/// or without the option, they are named after the file that the picture is made from.
+/// Files that --output asks for. NAME.exr or NAME.png is that file. Without an ending, or with one
+/// that starts with a digit, as of the frame in beauty.0001, it is NAME.exr and NAME.png. In a
+/// folder, or without the option, they are named after the file that the picture is made from.
 ///
 /// @param output  of the option, or ""
 /// @param source  the scene or patch, "-" for standard input

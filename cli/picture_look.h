@@ -16,7 +16,7 @@
 
 namespace lamina::cli {
 
-/// What the command line says of how pictures are written.
+/// Options of how pictures are written.
 struct LookOptions {
   std::string view, ocio, display;
   float exposure = 0.0f;
@@ -27,7 +27,7 @@ struct LookOptions {
 /// --exposure, --view, --ocio, --display and --color-space.
 void add_look_options(const Command& command, LookOptions& options);
 
-/// Their names.
+/// Names of those options.
 inline constexpr std::array<std::string_view, 5> look_option_names = {
     "--exposure", "--view", "--ocio", "--display", "--color-space"};
 

@@ -14,7 +14,7 @@
 
 namespace lamina::cli {
 
-/// What `lamina render` was asked for.
+/// Options of `lamina render`.
 struct RenderCommandOptions {
   CommonOptions common;
   std::string scene, output, method, profile, cache, single_scattering, shard, region;

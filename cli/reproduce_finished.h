@@ -26,7 +26,7 @@ class FinishedRuns {
   /// Keeps the result of the next command. @throws WriteError.
   void add(const std::string& result, double seconds);
 
-  /// What the commands have taken that are not run again.
+  /// CPU time of the commands that are not run again [s].
   [[nodiscard]] double reused_seconds() const { return reused_seconds_; }
 
  private:

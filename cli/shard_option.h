@@ -23,7 +23,7 @@ void set_words_of_call(int argc, const char* const* argv);
                                                        std::span<const std::string_view> with_value,
                                                        std::span<const std::string_view> flags);
 
-/// What shards of a call have in common: without shard, output, and what changes no number.
+/// Words common to all shards of a call: without shard, output, and what changes no number.
 [[nodiscard]] std::vector<std::string> words_of_shards(std::span<const std::string> words);
 
 /// Words as a shell takes them, behind "lamina".

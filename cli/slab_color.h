@@ -23,7 +23,7 @@ struct DisplayColor {
 
 [[nodiscard]] DisplayColor display_color(const LinearSrgb& linear);
 
-/// What a material looks like in even white light (D65): the light that comes out of it, without
+/// Colors of a material in even white light (D65): the light that comes out of it, without
 /// what the surface mirrors, and that which comes through, if any does.
 struct SlabColors {
   DisplayColor reflected;

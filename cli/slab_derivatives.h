@@ -23,7 +23,7 @@ namespace lamina::cli {
 /// [total][by what][layer][band], per mm and mm.
 [[nodiscard]] JsonOutput derivatives_json(const std::vector<AddingDoublingDerivatives>& bands);
 
-/// What one percent more of each number changes, in percent of the total.
+/// Changes of the totals for one percent more of each number, in percent of the total.
 [[nodiscard]] std::string derivatives_text(const Material& material,
                                            const std::vector<LayerStack>& stacks,
                                            const std::vector<AddingDoublingDerivatives>& bands);

@@ -18,7 +18,7 @@ namespace py = pybind11;
 
 using Shape = std::vector<py::ssize_t>;
 
-/// What Python hands over as numbers: an array of doubles that lies in one piece is taken as it
+/// Numbers that Python hands over: an array of doubles that lies in one piece is taken as it
 /// is, anything else is copied once.
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 

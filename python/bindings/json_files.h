@@ -19,7 +19,7 @@ namespace py = pybind11;
   return text ? JsonFile(path, *text) : JsonFile(path);
 }
 
-/// What `load(file)` returns, without Python's lock. What a message says of a line in a dict helps
+/// Result of `load(file)`, without Python's lock. Lines of a dict in messages help
 /// nobody: "scene: film.width must be …".
 template <class F>
 auto load_unlocked(const JsonFile& file, const F& load) {

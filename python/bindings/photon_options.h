@@ -11,7 +11,7 @@ namespace lamina::python {
 
 namespace py = pybind11;
 
-/// What photons are spent, by the names of the arguments of Python's functions. Ranges have been
+/// Options of photons by the names of the arguments of Python's functions. Ranges have been
 /// checked there.
 [[nodiscard]] inline MonteCarloOptions photon_options(const py::dict& effort) {
   MonteCarloOptions options;

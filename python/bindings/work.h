@@ -28,7 +28,7 @@ class Work {
   Work& operator=(const Work&) = delete;
   ~Work();
 
-  /// What `work(progress)` returns. @throws what it throws; what the callback has raised; and
+  /// Result of `work(progress)`. @throws what it throws; what the callback has raised; and
   /// Interrupted after Ctrl-C.
   template <class F>
   auto run(const F& work) {
@@ -37,7 +37,7 @@ class Work {
     return result;
   }
 
-  /// The same of work that hands over what it has when it is stopped: whoever calls asks
+  /// Result of work that hands over what it has when it is stopped: whoever calls asks
   /// was_interrupted().
   template <class F>
   auto run_partly(const F& work) {

@@ -15,7 +15,7 @@
 // error: any other exception, a crash, a hang or a sanitizer's finding is a bug.
 namespace lamina::fuzz {
 
-/// What a target may take of memory [bytes]: libFuzzer's own limit is above it.
+/// Memory that a target may take [bytes]: libFuzzer's own limit is above it.
 inline constexpr std::size_t most_memory = std::size_t{256} << 20;
 
 [[nodiscard]] inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {

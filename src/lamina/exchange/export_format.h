@@ -28,7 +28,7 @@ struct ExportOptions {
   Progress progress = {};
 };
 
-/// What a format is written from.
+/// Input that a format is written from.
 struct ExportInput {
   Material material;
   std::vector<LayerStack> stacks;  ///< [band]
@@ -54,7 +54,7 @@ struct ExportedMaterial {
   std::string refusal;                 ///< why there are no files, if formats may be left out
 };
 
-/// What a format asks to be worked out before it is written.
+/// Results that a format needs before it is written.
 enum class ExportNeeds {
   layers,  ///< nothing: the layers as they are
   light,   ///< what they do to diffuse light

@@ -12,7 +12,7 @@
 
 namespace lamina {
 
-/// Whose parameters a material is made from.
+/// Program or format whose parameters a material is made from.
 enum class ImportSource {
   openpbr,     ///< OpenPBR 1.1.1: subsurface color and radius, by the definition in its text
   principled,  ///< Blender's Principled BSDF: by the walk of Cycles

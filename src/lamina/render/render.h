@@ -49,8 +49,8 @@ struct RenderResult {
   /// With Film::has_alpha also A, with RenderOptions::has_mattes CryptoObject00.R to
   /// CryptoMaterial02.A. Empty where RenderOptions asks for a part, or for preparation alone.
   Image image;
-  /// What its file should say: version, method, seed, camera and how it was meant to be seen, as
-  /// attributes lamina/…; with mattes their manifests.
+  /// Notes for the picture's file: version, method, seed, camera and how it was meant to be seen,
+  /// as attributes lamina/…; with mattes their manifests.
   std::vector<ImageNote> notes;
   RenderStatistics statistics;
 };

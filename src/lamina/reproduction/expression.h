@@ -11,11 +11,11 @@ namespace lamina {
 /// A number, or a list of them; one number stands for a list of any length.
 using ExpressionValue = std::vector<double>;
 
-/// What an expression gets from outside.
+/// Values that an expression gets from outside.
 struct ExpressionSources {
-  /// What a name with its path stands for, as written: `mc.reflectance_profile[:][1]`.
+  /// Value of a name with its path, as written: `mc.reflectance_profile[:][1]`.
   std::function<ExpressionValue(std::string_view path)> value;
-  /// What a path leads to in every run whose name starts with `prefix`, one after the other.
+  /// Values that a path leads to in every run whose name starts with `prefix`, one after the other.
   std::function<ExpressionValue(const std::string& prefix, const std::string& path)> runs;
   /// A channel of a picture, row by row, within a part of its width and height.
   std::function<ExpressionValue(const std::string& file, const std::string& channel, double left,
@@ -48,7 +48,7 @@ struct ExpressionSources {
 [[nodiscard]] ExpressionValue evaluate_expression(std::string_view text,
                                                   const ExpressionSources& sources);
 
-/// The same where one number is wanted. @throws InvalidInput if it is a list.
+/// Evaluates an expression where one number is wanted. @throws InvalidInput if it is a list.
 [[nodiscard]] double evaluate_number(std::string_view text, const ExpressionSources& sources);
 
 }  // namespace lamina

@@ -36,7 +36,7 @@ struct CheckedFeature {
   std::optional<double> measure;
 };
 
-/// What came out of an item.
+/// Results of an item.
 struct ReproductionResult {
   ReproductionItem item;
   Verdict verdict = Verdict::not_made;

@@ -11,7 +11,7 @@
 
 namespace lamina {
 
-/// What all files hold at a pixel of a channel: quarters in [0, 1], exact in half and float.
+/// Value of all files at a pixel of a channel: quarters in [0, 1], exact in half and float.
 [[nodiscard]] float ramp(int x, int y, std::size_t channel);
 
 enum class ExrKind { scan_lines, tiles, mipmaps };
@@ -40,7 +40,7 @@ struct TiffKind {
 };
 [[nodiscard]] std::vector<std::byte> foreign_tiff(int width, int height, const TiffKind& kind);
 
-/// Of one quality above all, so that numbers are off by two of 255 at most.
+/// JPEG of one quality above all, so that numbers are off by two of 255 at most.
 /// @param components  1 grey, 3 RGB, 4 as for print.
 [[nodiscard]] std::vector<std::byte> foreign_jpeg(int width, int height, int components,
                                                   bool is_progressive);

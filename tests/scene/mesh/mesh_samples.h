@@ -17,7 +17,7 @@
 
 namespace lamina {
 
-/// What the error says, or "" if there is none.
+/// Message of the error, or "" if there is none.
 inline std::string message_of(const std::function<void()>& work) {
   try {
     work();

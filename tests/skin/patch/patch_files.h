@@ -25,7 +25,7 @@ class PatchFolder : public ::testing::Test {
     return load_skin_patch(file);
   }
 
-  /// What the error says that `call` throws.
+  /// Message of the error that `call` throws.
   template <class Call>
   [[nodiscard]] static std::string message_of(const Call& call) {
     try {

@@ -10,7 +10,7 @@
 
 namespace lamina {
 
-/// What layers are made of, one number after the other, for central differences.
+/// Parameter of a layer, one number after the other, for central differences.
 struct LayerParameter {
   const char* name;
   double LayerDerivatives::*derivative;

@@ -35,7 +35,7 @@ class ChebyshevTable {
   /// beyond.
   [[nodiscard]] double at(const Point& point, Point* derivatives = nullptr) const;
 
-  /// The same function over a part of the box.
+  /// Interpolates the function anew over a part of the box.
   [[nodiscard]] ChebyshevTable over(const Box& box, const Counts& counts) const;
 
   /// Sum of functions of one box and counts, each times its weight.

@@ -34,7 +34,7 @@ using DenseMatrix = BasicDenseMatrix<double>;
 /// one of the solutions if there are any.
 [[nodiscard]] DenseMatrix solve_linear(const DenseMatrix& a, const DenseMatrix& b);
 
-/// The same by LU with partial pivoting, quick for large systems; a is regular.
+/// Solves by LU with partial pivoting in single precision, quick for large systems; a is regular.
 [[nodiscard]] std::vector<float> solve_linear(const BasicDenseMatrix<float>& a,
                                               std::span<const float> b);
 

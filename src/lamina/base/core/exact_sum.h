@@ -53,7 +53,7 @@ class ExactSum {
     }
   }
 
-  /// The same for the same sum, within some 10^-16 of it.
+  /// Value of the sum, rounded, within some 10^-16 of it.
   [[nodiscard]] double value() const {
     ExactSum magnitude = *this;
     const bool is_negative = words_.back() >> 63;

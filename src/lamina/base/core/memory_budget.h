@@ -21,7 +21,7 @@ struct MemoryBudget {
 /// @throws FileError `WHAT would take 7.3 GiB of memory, but only 4 GiB are left of the budget`.
 void take_memory(MemoryBudget& budget, std::size_t bytes, std::string_view what);
 
-/// The same for `count` things of `size` bytes each.
+/// Takes memory for `count` things of `size` bytes each.
 void take_memory(MemoryBudget& budget, std::size_t count, std::size_t size, std::string_view what);
 
 /// A size in the largest unit that it reaches, with two digits at least: "4 GiB", "1.5 MiB".

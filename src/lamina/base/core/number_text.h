@@ -23,7 +23,7 @@ class PlainTextStream : public std::ostringstream {
 /// The number that a text spells: if too large, an infinite one, if too small, 0.
 [[nodiscard]] double rounded_number(const std::string& text);
 
-/// What printf would print.
+/// Text that printf would print.
 [[nodiscard, gnu::format(printf, 1, 2)]] std::string printf_text(const char* format, ...);
 
 }  // namespace lamina

@@ -18,7 +18,7 @@ void parallel_chunks(std::size_t count, std::size_t chunk, const Body& body) {
   });
 }
 
-/// The same for work of unknown length: reports after each chunk.
+/// Runs chunks of work of unknown length: reports after each chunk.
 /// @return  false if asked to stop; chunks that have not begun are left out
 template <class Body>
 [[nodiscard]] bool parallel_chunks(std::size_t count, std::size_t chunk, const Body& body,

@@ -24,23 +24,23 @@ class Interrupted : public Error {
   return !progress || progress(finished);
 }
 
-/// The same for work that has nothing to hand over before its end.
+/// Reports progress of work that has nothing to hand over before its end.
 /// @throws Interrupted if asked to stop
 inline void report_or_throw(const Progress& progress, double finished) {
   if (!report_progress(progress, finished)) throw Interrupted();
 }
 
-/// What a part of the work reports to: all of the part is the fraction from `begin` to `end` of the
+/// Progress of a part of the work: all of the part is the fraction from `begin` to `end` of the
 /// whole.
 [[nodiscard]] Progress part_of(const Progress& progress, double begin, double end);
 
-/// What work reports to whose length nobody knows: that it goes on, as a finished fraction of 0.
+/// Progress of work whose length nobody knows: that it goes on, as a finished fraction of 0.
 [[nodiscard]] inline Progress of_unknown_length(const Progress& progress) {
   return part_of(progress, 0.0, 0.0);
 }
 
-/// parallel_for of base/core/parallel.h for work that has nothing to hand over before its end: reports
-/// after each call of `body`.
+/// parallel_for of base/core/parallel.h for work that has nothing to hand over before its end:
+/// reports after each call of `body`.
 /// @throws Interrupted if asked to stop; calls of `body` that have not begun are left out
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body,
                   const Progress& progress);

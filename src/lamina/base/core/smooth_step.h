@@ -12,7 +12,7 @@ template <class Real>
   return x * x * (Real{3} - Real{2} * x);
 }
 
-/// The same from `low` to `high`.
+/// Smooth step from `low` to `high`.
 template <class Real>
 [[nodiscard]] constexpr Real smooth_step(Real low, Real high, Real x) {
   return smooth_step((x - low) / (high - low));

@@ -36,7 +36,7 @@ template <class Real>
   return {x0, y0, x0 + 1 == width ? 0 : x0 + 1, y0 + 1 == height ? 0 : y0 + 1, x - left, y - top};
 }
 
-/// The same with the texels of the edge beyond it.
+/// Bilinear lookup with the texels of the edge beyond it.
 template <class Real>
 [[nodiscard]] BilinearLookup<Real> bilinear_clamped(Real x, Real y, int width, int height) {
   const auto clamp = [](Real i, int size) { return std::clamp(static_cast<int>(i), 0, size - 1); };

@@ -17,7 +17,7 @@ namespace lamina {
 [[nodiscard]] std::vector<float> blurred(const std::vector<float>& image, int width, int height,
                                          double spread);
 
-/// The same of all channels in a time that does not grow with the spread: wide blurs are done on a
+/// Blurs all channels in a time that does not grow with the spread: wide blurs are done on a
 /// coarser image, whose tents count as part of the spread. 0 changes nothing.
 [[nodiscard]] Image blurred(const Image& image, double spread);
 

@@ -8,12 +8,12 @@
 
 namespace lamina {
 
-/// What the numbers of an image mean. Alpha is always linear.
+/// Meaning of the numbers of an image. Alpha is always linear.
 ///
 /// Colors become linear Rec.709. What a file says of its own (an ICC profile, chunks of PNG, Exif,
 /// chromaticities of EXR) counts for `srgb`; and for `linear_colors` where the file says that its
-/// numbers are light, of whatever primaries. An encoding by name (base/spectrum/rgb_encoding.h) counts
-/// whatever the file says. Numbers that are no colors are never converted.
+/// numbers are light, of whatever primaries. An encoding by name (base/spectrum/rgb_encoding.h)
+/// counts whatever the file says. Numbers that are no colors are never converted.
 enum class ColorEncoding {
   srgb,           ///< colors as the file says; of integers where it says nothing, sRGB
   linear,         ///< quantities: fractions of pigment, roughness, normals
@@ -53,7 +53,7 @@ inline constexpr auto enum_names<ColorEncoding> =
   return said == ColorEncoding::linear ? ColorEncoding::linear_colors : said;
 }
 
-/// What an encoding by name is, whatever a file says; absent for the others.
+/// RGB encoding that a name states, whatever a file says; absent for the others.
 [[nodiscard]] std::optional<RgbEncoding> stated_encoding(ColorEncoding encoding);
 
 }  // namespace lamina

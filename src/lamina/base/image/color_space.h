@@ -7,13 +7,13 @@
 
 namespace lamina {
 
-/// What becomes of negative numbers that only the conversion makes: of colors beyond the triangle
+/// Treatment of negative numbers that only the conversion makes: of colors beyond the triangle
 /// of the new primaries.
 enum class Negative { kept, none };
 
-/// Turns the colors of an image into those of other primaries (base/spectrum/rgb_space.h): the channels
-/// R, G and B, and those of layers, "light.sun.R" and so on, wherever all three are there, but for
-/// mattes (base/image/cryptomatte.h).
+/// Turns the colors of an image into those of other primaries (base/spectrum/rgb_space.h): the
+/// channels R, G and B, and those of layers, "light.sun.R" and so on, wherever all three are there,
+/// but for mattes (base/image/cryptomatte.h).
 [[nodiscard]] Image converted_colors(Image image, const Matrix3& conversion,
                                      Negative negative = Negative::kept);
 

@@ -49,7 +49,7 @@ struct Image {
 /// @throws InvalidInput if it has neither.
 [[nodiscard]] Image rgb_image(const Image& image);
 
-/// What an EXR file says of itself, as its attributes.
+/// Note in an EXR file, as an attribute.
 struct ImageNote {
   std::string name;  ///< of the attribute: ASCII, not one that OpenEXR has a meaning for
   std::string text;

@@ -22,7 +22,8 @@
 
 namespace lamina {
 
-/// What a file says of a map. What cannot be had where it stands, who decodes it refuses by reason.
+/// Description of a map in a file. Features that a place cannot have are refused by reason by who
+/// decodes it.
 struct MapDescription {
   JsonInput self;                        ///< the whole, for messages
   std::optional<JsonInput> file, noise;  ///< one of the two

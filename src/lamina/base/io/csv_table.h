@@ -30,7 +30,7 @@ class CsvTable {
   /// The place of a column, or none.
   [[nodiscard]] std::optional<std::size_t> find_column(std::string_view name) const;
 
-  /// The same. @throws InvalidInput naming those that there are.
+  /// Index of a column. @throws InvalidInput naming those that there are.
   [[nodiscard]] std::size_t column(std::string_view name) const;
 
   [[nodiscard]] const std::string& text(std::size_t row, std::size_t column) const {

@@ -23,7 +23,7 @@ struct DiskCache {
 /// else .cache/lamina in HOME. Absent if LAMINA_CACHE is "off" or no variable names a folder.
 [[nodiscard]] std::optional<DiskCache> user_cache();
 
-/// What was kept under a key, any bytes.
+/// Bytes that were kept under a key.
 [[nodiscard]] std::optional<std::string> load_cached(const DiskCache& cache, std::string_view key);
 
 /// Keeps a value under a key. Returns whether that worked.

@@ -22,13 +22,13 @@ namespace lamina {
 /// @throws FileError
 void require_regular_file(const std::filesystem::path& file);
 
-/// The same of a file or of what is open already, standard input or <(...) of a shell, for what
+/// Reads a file or a stream that is open already, standard input or <(...) of a shell, for what
 /// users name themselves. Pipes with a name in a folder are refused: one that nobody writes to
 /// would be waited for.
 /// @throws FileError, also if there are more than `most` bytes.
 [[nodiscard]] std::string read_stream_bytes(const std::filesystem::path& file, std::size_t most);
 
-/// What a written file outlasts.
+/// Events that a written file outlasts.
 enum class Lasting {
   power_loss,  ///< waits until it is on the disk
   process,     ///< enough for what can be made anew, such as a cache

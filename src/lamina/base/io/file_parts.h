@@ -15,7 +15,7 @@ namespace lamina {
 using WritePart = std::function<void(std::span<const std::byte>)>;
 using WriteParts = std::function<void(const WritePart&)>;
 
-/// As write_file_bytes, part by part: `write_parts` hands them over in their order. What it throws
+/// Writes a file part by part: `write_parts` hands them over in their order. What it throws
 /// leaves no file.
 /// @throws WriteError
 void write_file_parts(const std::filesystem::path& file, const WriteParts& write_parts,

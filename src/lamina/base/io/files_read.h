@@ -8,7 +8,7 @@
 
 namespace lamina {
 
-/// What tells one state of a file from another.
+/// State of a file, told from other states of it.
 struct FileState {
   std::filesystem::path file;
   bool is_there = false;

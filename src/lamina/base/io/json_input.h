@@ -103,7 +103,7 @@ class JsonInput {
   /// An array of exactly `size` numbers.
   [[nodiscard]] std::vector<double> numbers(std::size_t size, const NumberRange& range = {}) const;
 
-  /// The same, or a single number that stands for all of them.
+  /// Numbers of a list of that size, or a single number that stands for all of them.
   [[nodiscard]] std::vector<double> number_or_numbers(std::size_t size,
                                                       const NumberRange& range = {}) const;
 
@@ -116,7 +116,7 @@ class JsonInput {
     return enum_names<E>[choice(names_of<E>())].value;
   }
 
-  /// The same with a value for each name, for what is no enum:
+  /// Chooses a value by name, for what is no enum:
   /// `choice<double>({{"mm", 1.0}, {"cm", 10.0}})`.
   template <class T>
   [[nodiscard]] T choice(std::initializer_list<std::pair<std::string_view, T>> options) const {
@@ -144,7 +144,7 @@ class JsonInput {
   /// Counted from 1: the line in which the value ends (an array or object: starts).
   [[nodiscard]] int line() const;
 
-  /// As in `layers[1].sigma_a`; empty for the outermost value.
+  /// Path within the document, as in `layers[1].sigma_a`; empty for the outermost value.
   [[nodiscard]] std::string path() const;
 
   /// `head.json:12: layers[1].sigma_a`, or for the outermost value `head.json:1`; of a value that
@@ -189,7 +189,7 @@ class JsonObject {
   JsonInput value_;
 };
 
-/// What a JSON file says. It owns what the JsonInput values look at.
+/// Document of a JSON file. It owns what the JsonInput values look at.
 class JsonDocument {
  public:
   JsonDocument(JsonDocument&&) noexcept;

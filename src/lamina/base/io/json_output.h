@@ -69,7 +69,7 @@ class JsonOutput {
   /// Elements or keys.
   [[nodiscard]] std::size_t size() const;
 
-  /// As text: numbers with the fewest digits that read back to the same double, all others null.
+  /// Text: numbers with the fewest digits that read back to the same double, all others null.
   /// @param indent  spaces per level, with an element a line; in one line without spaces if
   /// negative
   [[nodiscard]] std::string text(int indent = -1) const;

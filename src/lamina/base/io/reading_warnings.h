@@ -6,9 +6,9 @@
 
 namespace lamina {
 
-/// Who is told what readers assume of a file that leaves something out, in one line that names the
-/// file. Nobody is at first; the command prints it, Python makes a UserWarning of it. For the whole
-/// process; the last one given counts.
+/// Sets the listener to assumptions of readers about a file that leaves something out, in one line
+/// that names the file. Nobody is at first; the command prints it, Python makes a UserWarning of
+/// it. For the whole process; the last one given counts.
 void tell_reading_warnings(std::function<void(const std::string&)> told);
 
 /// Tells it; each text once, since some files are read several times.

@@ -13,8 +13,8 @@ namespace lamina {
 /// longer form than needed, no surrogates, nothing beyond U+10FFFF).
 [[nodiscard]] std::size_t utf8_bytes(std::string_view text);
 
-/// The same, and 0 for a character that ends a line for some reader, moves the cursor, colors the
-/// text, turns the direction of reading, has no width or is none (U+FFFE and its like).
+/// Bytes of the next character, 0 for one that ends a line for some reader, moves the cursor,
+/// colors the text, turns the direction of reading, has no width or is none (U+FFFE and its like).
 [[nodiscard]] std::size_t printable_bytes(std::string_view text);
 
 /// The beginning of a text as messages show words of files: 40 bytes at most, then "...". It ends

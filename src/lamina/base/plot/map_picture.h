@@ -18,7 +18,7 @@ namespace lamina {
 [[nodiscard]] Image map_picture(const Image& map, double low, double high,
                                 const std::function<bool(std::size_t)>& is_shown = {});
 
-/// The same colors from low to high as a CSS gradient, for legends.
+/// Map colors from low to high as a CSS gradient, for legends.
 [[nodiscard]] std::string map_gradient();
 
 }  // namespace lamina

@@ -70,11 +70,11 @@ struct Plot {
 /// Writes format_svg whole or not at all. @throws InvalidInput, WriteError.
 void save_svg(const Plot& plot, const std::filesystem::path& file);
 
-/// What a band looks like, dark enough for lines on white: R, G, B as vermilion, bluish green and
+/// Color of a band, dark enough for lines on white: R, G, B as vermilion, bluish green and
 /// blue, which eyes without red or green cones tell apart; wavelengths near their spectral colours.
 [[nodiscard]] std::string band_color(const BandSet& bands, std::size_t band);
 
-/// What a band is called in a legend: "R", "G", "B", or as in "540 nm".
+/// Label of a band in a legend: "R", "G", "B", or as in "540 nm".
 [[nodiscard]] std::string band_label(const BandSet& bands, std::size_t band);
 
 /// Colours for curves that are no bands, in order, again from the start after seven; told apart by

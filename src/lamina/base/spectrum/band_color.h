@@ -53,8 +53,8 @@ using BandBasis = std::vector<std::array<double, 3>>;
 [[nodiscard]] BandBasis make_band_basis(const BandSet& bands,
                                         Illuminant illuminant = Illuminant::d65);
 
-/// The same for other weights, each channel's of sum 1: these turn the spectrum into the colour
-/// again.
+/// Makes a basis for other weights, each channel's of sum 1: these turn the spectrum into the
+/// colour again.
 [[nodiscard]] BandBasis make_band_basis(const BandSet& bands, const BandWeights& weights);
 
 /// The spectrum of a colour, [band].

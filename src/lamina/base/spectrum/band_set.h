@@ -31,7 +31,7 @@ class BandSet {
   std::vector<double> wavelengths_;
 };
 
-/// What a band is called in files and on plots: "R", "G", "B", or its wavelength as in "540".
+/// Name of a band in files and on plots: "R", "G", "B", or its wavelength as in "540".
 [[nodiscard]] std::string band_name(const BandSet& bands, std::size_t band);
 
 /// The eight wavelengths of [Donner2008] §7: 400, 435, 470, 505, 540, 575, 610, 645 nm.

@@ -27,7 +27,7 @@ struct RgbPrimaries {
   bool operator==(const RgbPrimaries&) const = default;
 };
 
-/// Those of Rec.709 and sRGB. Source: [IEC61966-2-1] §4.1.
+/// Primaries of Rec.709 and sRGB. Source: [IEC61966-2-1] §4.1.
 [[nodiscard]] RgbPrimaries rec709_primaries();
 
 /// Tristimulus values of colors, Y = 1 of white, under the white of the space.

@@ -28,7 +28,7 @@ struct RgbCurve {
   return curve == RgbCurve{.kind = RgbCurve::Kind::power, .exponent = 1.0};
 }
 
-/// What the numbers of RGB mean.
+/// Encoding of RGB numbers: primaries and curve.
 struct RgbEncoding {
   RgbPrimaries primaries = rec709_primaries();
   RgbCurve curve{.kind = RgbCurve::Kind::srgb};

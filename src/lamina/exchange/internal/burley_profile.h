@@ -20,7 +20,7 @@ struct BurleyProfiles {
 /// Source: [ChristensenBurley2015] Eq. 3.
 [[nodiscard]] BurleyProfiles fit_burley(const ChannelLight& light);
 
-/// What such shaders multiply d by to have the mean free path: s of a perpendicular beam.
+/// Factor by which such shaders multiply d to have the mean free path: s of a perpendicular beam.
 ///
 /// @param color  diffuse, in [0, 1]
 /// Source: [ChristensenBurley2015] Eq. 5.

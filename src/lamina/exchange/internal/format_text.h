@@ -13,7 +13,7 @@
 
 namespace lamina::detail {
 
-/// What every file states of itself, a line each, without marks of a comment: the material, where
+/// Lines at the head of every file, without marks of a comment: the material, where
 /// its numbers come from, what wrote it and for what, units.
 /// @param written_for  the program and its version, as "pbrt-v4"
 [[nodiscard]] std::vector<std::string> head_lines(const ExportInput& input,
@@ -49,7 +49,7 @@ namespace lamina::detail {
 [[nodiscard]] std::string numbers_text(std::span<const double> values,
                                        std::string_view separator = " ");
 
-/// What JSON files state: the same as head_lines, as an object.
+/// Head of JSON files: as head_lines, as an object.
 [[nodiscard]] JsonOutput head_json(const ExportInput& input, std::string_view format);
 
 }  // namespace lamina::detail

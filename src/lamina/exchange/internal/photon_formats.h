@@ -12,7 +12,7 @@
 
 namespace lamina::detail {
 
-/// What of the material `program` does not know.
+/// Notes on features of the material that `program` does not know.
 [[nodiscard]] std::vector<std::string> notes_of_photons(const std::string& program,
                                                         const ExportInput& input);
 

@@ -6,7 +6,7 @@
 
 namespace lamina::detail {
 
-/// What formats of ExportNeeds::walk say of a material: the medium below a boundary that does not
+/// Material as formats of ExportNeeds::walk state it: the medium below a boundary that does not
 /// refract, or of sheets R and T alone.
 struct WalkMedium {
   double g = 0.0;

@@ -14,7 +14,7 @@
 
 namespace lamina {
 
-/// What the numbers of an exported material are per.
+/// Channels that the numbers of an exported material are per.
 enum class ExportChannels {
   rgb,    ///< channels of linear Rec.709/sRGB
   bands,  ///< the bands of the material: these channels too, or wavelengths
@@ -44,9 +44,9 @@ struct Channels {
 [[nodiscard]] std::vector<double> to_channels(const Channels& channels,
                                               std::span<const double> values);
 
-/// What layers do to light that arrives evenly from all directions at a point, per channel and
-/// arriving flux: what renderers that follow light below a surface show of a material. The first
-/// reflection at the upper boundary is no part of it.
+/// Light that layers send back and through where it arrives evenly from all directions at a point,
+/// per channel and arriving flux: what renderers that follow light below a surface show of a
+/// material. The first reflection at the upper boundary is no part of it.
 ///
 /// The upper and the lowest boundary count as smooth, their roughness being the renderer's
 /// business.

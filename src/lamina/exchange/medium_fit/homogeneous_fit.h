@@ -14,7 +14,7 @@
 
 namespace lamina {
 
-/// What else than its total one half-space shall have in common with layers.
+/// Property that one half-space shall have in common with layers, besides its total.
 enum class FitGoal {
   profile,            ///< as near as can be to R(r), by profile_difference
   mean_square_radius  ///< the same mean square radius

@@ -9,7 +9,7 @@
 
 namespace lamina {
 
-/// What a leaf holds per area, in the units of [Feret2017], and how it scatters. The values are
+/// Contents of a leaf per area, in the units of [Feret2017], and how it scatters. The values are
 /// those of a green oak leaf.
 struct LeafParameters {
   double chlorophyll = 40.0;     ///< a and b [µg/cm²]

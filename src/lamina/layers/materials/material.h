@@ -75,7 +75,7 @@ struct Material {
   /// Microfacet alpha of what the lit surface mirrors in renders, in [0, 1]; absent: that of the
   /// first layer's top, which is what all else sees.
   std::optional<double> specular_roughness;
-  /// Of the recipes `skin` and `leaf`: what they say. Where parameters are maps, these and the
+  /// Recipes `skin` and `leaf`, if the material has one. Where parameters are maps, these and the
   /// layers have their means.
   std::optional<SkinRecipe> skin;
   std::optional<LeafParameters> leaf;
@@ -101,7 +101,7 @@ struct Material {
 /// @throws InvalidInput as LayerStack does, or if a vector has not a number for the band.
 [[nodiscard]] LayerStack layer_stack(const Material& material, std::size_t band);
 
-/// The same of all bands, [band].
+/// Layer stacks of all bands, [band].
 [[nodiscard]] std::vector<LayerStack> layer_stacks(const Material& material);
 
 /// The layers of a recipe of skin at some wavelengths [nm].

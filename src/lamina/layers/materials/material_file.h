@@ -26,7 +26,7 @@ namespace lamina {
 /// @throws InvalidInput if "base" is neither a built-in material nor a file; FileError
 [[nodiscard]] JsonDocument material_with_base(const JsonInput& object);
 
-/// As find_material, at these wavelengths [nm] in place of the bands of its file; empty: at those.
+/// Finds a material at these wavelengths [nm] in place of the bands of its file; empty: at those.
 /// @param settings  changes, as parse_json takes them
 /// @throws as find_material; InvalidInput if the material has arrays of numbers for its own bands.
 [[nodiscard]] Material find_sampled_material(const std::string& name_or_path,
@@ -38,7 +38,7 @@ namespace lamina {
 
 namespace lamina::material_file {
 
-/// What the rest of the file says about its numbers.
+/// Context that the rest of the file gives to its numbers.
 struct Context {
   std::size_t bands = 0;              ///< how many numbers stand for a quantity per band
   bool has_own_bands = true;          ///< those of the file, which arrays of numbers are for
@@ -69,7 +69,7 @@ void decode_snow(const JsonInput& recipe, const Context& context, Material& mate
 [[nodiscard]] double mappable_number(const JsonInput& value, const MappableNumber& number,
                                      const Context& context);
 
-/// The same of a length in the file's unit, turned to mm; low and high are in mm.
+/// Length in the file's unit, turned to mm; low and high are in mm.
 [[nodiscard]] double mappable_length(const JsonInput& value, MappableNumber number,
                                      const Context& context);
 
@@ -80,7 +80,7 @@ void decode_snow(const JsonInput& recipe, const Context& context, Material& mate
 /// as a sum of these.
 [[nodiscard]] bool is_spectral(const JsonInput& value);
 
-/// What it gives as coefficients, [band], in 1/mm. @throws InvalidInput naming file and line.
+/// Decodes coefficients of a spectrum, [band], in 1/mm. @throws InvalidInput naming file and line.
 [[nodiscard]] std::vector<double> decode_spectral_coefficients(const JsonInput& value,
                                                                const Context& context);
 

@@ -48,7 +48,7 @@ struct SkinInk {
 };
 inline constexpr double largest_absorbance = 10.0;
 
-/// What skin is made of at one place; fractions are of volume. Source: [Donner2008] Table 1 and
+/// Parameters of skin at one place; fractions are of volume. Source: [Donner2008] Table 1 and
 /// eqs. 10-12, and three scales that measured skin asks for. The ranges are those of
 /// skin_parameter_ranges.
 struct SkinParameters {
@@ -96,7 +96,7 @@ inline constexpr auto enum_names<SkinConstants> = std::to_array<EnumName<SkinCon
      {"calibrated", SkinConstants::calibrated},
      {"calibrated_diffusion", SkinConstants::calibrated_diffusion}});
 
-/// What a recipe of skin says, the same everywhere.
+/// Recipe of skin, the same everywhere.
 struct SkinRecipe {
   SkinParameters skin;
   SkinConstants constants = SkinConstants::calibrated;
@@ -122,7 +122,7 @@ struct SkinSpectrum {
 [[nodiscard]] double spectrum_factor(std::span<const std::array<double, 2>> points,
                                      double wavelength);
 
-/// What the sheet between the layers absorbs at a wavelength [nm], inks included: natural
+/// Absorbance of the sheet between the layers at a wavelength [nm], inks included: natural
 /// absorbance of diffuse light per crossing.
 [[nodiscard]] double junction_absorbance(const SkinParameters& skin, double wavelength);
 
@@ -147,7 +147,7 @@ struct SkinSpectrum {
 /// @throws InvalidInput naming the parameter, its range and the value given.
 [[nodiscard]] LayerStack skin_layer_stack(const SkinParameters& skin, double wavelength);
 
-/// What the layers of skin_layer_stack are called.
+/// Names of the layers of skin_layer_stack.
 [[nodiscard]] std::vector<std::string> skin_layer_names(const SkinParameters& skin);
 
 }  // namespace lamina

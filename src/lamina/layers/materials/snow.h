@@ -9,7 +9,7 @@
 
 namespace lamina {
 
-/// What snow is made of. The values are those of clean, settled snow.
+/// Parameters of snow. The values are those of clean, settled snow.
 struct SnowParameters {
   double grain_radius = 0.1;  ///< of spheres with as much surface per volume [mm]
   double density = 200.0;     ///< [kg/m³]

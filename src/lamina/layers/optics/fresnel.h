@@ -51,7 +51,8 @@ template <std::floating_point T>
 /// reciprocity, for eta < 1.
 [[nodiscard]] double fresnel_diffuse(double eta);
 
-/// The same by the polynomials that the papers on diffusion use; to reproduce them.
+/// Diffuse Fresnel reflectance by the polynomials that the papers on diffusion use; to reproduce
+/// them.
 ///
 /// Off by at most 0.0017 for 1 / eta in [0.6, 2], which is its value at 1; by 0.0006 at 1.4, and
 /// by 0.0052 at 2.5.

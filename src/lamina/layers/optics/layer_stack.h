@@ -45,7 +45,7 @@ struct Layer {
   return extinction > 0.0 ? extinction * layer.thickness : 0.0;
 }
 
-/// What lies under the last layer.
+/// Ground under the last layer.
 struct Ground {
   Interface top;             ///< the lower boundary of the last layer
   double reflectance = 0.0;  ///< of a Lambertian ground just under that boundary, in [0, 1]
@@ -81,7 +81,7 @@ class LayerStack {
 /// Whether every boundary is smooth.
 [[nodiscard]] bool is_smooth(const LayerStack& stack);
 
-/// The same layers lit from below, top and bottom exchanged. The stack must be finite and have a
+/// Layers lit from below, top and bottom exchanged. The stack must be finite and have a
 /// black ground.
 [[nodiscard]] LayerStack flipped(const LayerStack& stack);
 

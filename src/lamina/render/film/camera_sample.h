@@ -7,7 +7,7 @@
 
 namespace lamina {
 
-/// What one camera ray brings home, in linear Rec.709.
+/// Radiance and other values of one camera ray, in linear Rec.709.
 struct CameraSample {
   Vec3f beauty, subsurface, specular;    ///< subsurface and specular: parts at the first surface
   Vec3f normal, albedo;                  ///< of the first surface

@@ -12,7 +12,7 @@ namespace lamina {
 /// float.
 using LightSum = ExactSum<2, 64>;
 using LightSquareSum = ExactSum<3, 92>;
-/// Of what lies in [-1, 1] or little beyond.
+/// Exact sum of numbers in [-1, 1] or little beyond.
 using UnitSum = ExactSum<1, 32>;
 
 /// Sums of the three parts of colors and directions.
@@ -29,7 +29,7 @@ struct Sum3 {
   friend bool operator==(const Sum3&, const Sum3&) = default;
 };
 
-/// What the samples of one pixel add up to.
+/// Sums over the samples of one pixel.
 struct FilmPixel {
   Sum3<LightSum> beauty, subsurface, specular;
   LightSquareSum luminance_square;
@@ -40,7 +40,7 @@ struct FilmPixel {
   friend bool operator==(const FilmPixel&, const FilmPixel&) = default;
 };
 
-/// What all samples of a pixel have met.
+/// Kind of surface that all samples of a pixel have met.
 enum class PixelCover : std::uint8_t { mixed, surface, translucent_surface };
 
 }  // namespace lamina

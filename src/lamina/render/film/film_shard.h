@@ -21,7 +21,7 @@ namespace lamina {
 
 class PlaneSum;
 
-/// What the sums of a file are of.
+/// Identity of the sums in a file: scene, version, seed, size and samples.
 struct FilmShardInfo {
   std::string version;                 ///< of lamina
   std::uint64_t program = 0, key = 0;  ///< as program_key(), picture_key()
@@ -76,12 +76,12 @@ class FilmShard {
 /// Whether a file starts as one of sums does, of whatever version.
 [[nodiscard]] bool is_film_shard(const std::filesystem::path& file);
 
-/// What all shards together are of.
+/// Identity of all shards together.
 /// @throws InvalidInput naming a shard that is of another version, scene, seed, size, number of
 ///         samples or split than the first, or has samples that one before it has, too.
 [[nodiscard]] FilmShardInfo merged_info(std::span<const FilmShard> shards);
 
-/// Those of the split whose samples are not all there.
+/// Shards of the split whose samples are not all there.
 [[nodiscard]] std::vector<int> missing_shards(const FilmShardInfo& info);
 
 /// The rows of a band with the samples of all shards, which belong together as merged_info() says.

@@ -8,9 +8,10 @@
 
 namespace lamina {
 
-/// What the light that enters surfaces follows from, part by part: parts that differ have other
-/// numbers, but for one case in 10^19. Camera, film and samples of the picture are no part of it,
-/// nor names, nor the roughness of glass. That of a coat is: what it reflects does not enter.
+/// Hashes of all that the light entering surfaces follows from, part by part: parts that differ
+/// have other numbers, but for one case in 10^19. Camera, film and samples of the picture are no
+/// part of it, nor names, nor the roughness of glass. That of a coat is: what it reflects does not
+/// enter.
 struct LightFingerprint {
   std::uint64_t meshes = 0, materials = 0, maps = 0, lights = 0;
   std::uint64_t settings = 0;  ///< the program, the method and how it samples, bounces and seed

@@ -24,7 +24,7 @@ struct TilePassOptions {
   /// Shown the image as it grows, from the first pass over the frame on, by one thread at a time
   /// while the others go on. May be empty.
   std::function<void(const Image&)> on_image;
-  /// Of a film, where it is more than its own image. May be empty.
+  /// Image of a film, where it is more than the film's own. May be empty.
   std::function<Image(const FilmAccumulator&)> image_of;
   /// Told why the checkpoint cannot be written, the image going on without; "" once it is there
   /// after all. May be empty.
@@ -38,7 +38,7 @@ struct KeptSamples {
   std::int64_t least = 0, most = 0;
 };
 
-/// What a file keeps, from its first bytes: damage behind them is not seen.
+/// Samples in a checkpoint, from its first bytes: damage behind them is not seen.
 /// @return  absent if it is no checkpoint of this version
 [[nodiscard]] std::optional<KeptSamples> kept_samples(const std::filesystem::path& file);
 

@@ -8,7 +8,7 @@
 
 namespace lamina {
 
-/// What a pixel sees at least of a material [mm]; 0 if there is none.
+/// Smallest width of a pixel on a material [mm]; 0 if none sees it.
 [[nodiscard]] float nearest_pixel(const Scene& scene, const CameraRays& camera,
                                   std::uint32_t material);
 

@@ -41,7 +41,7 @@ class RayGeometry {
   [[nodiscard]] Hit first_hit(const Ray& ray, float t_near,
                               float t_far = std::numeric_limits<float>::infinity()) const;
 
-  /// The same among the triangles of one material.
+  /// First hit among the triangles of one material.
   [[nodiscard]] Hit first_hit_of(std::uint32_t material, const Ray& ray, float t_near) const;
 
   /// Whether anything lies between the distances t_near and t_far.

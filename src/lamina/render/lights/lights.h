@@ -55,7 +55,7 @@ struct LightClusters {
 
 inline constexpr std::size_t max_light_clusters = 320, max_near_light_clusters = 64;
 
-/// What Lights::near_clusters fills.
+/// Result of Lights::near_clusters.
 struct NearLightClusters {
   std::array<float, max_near_light_clusters> x, y, z, flux, spread2;
 };
@@ -110,7 +110,7 @@ class Lights {
     }
   }
 
-  /// What a surface gives off where a ray meets it at a distance; absent if nothing.
+  /// Emission of a surface where a ray meets it at a distance; absent if nothing.
   /// @param normal  of its triangle, outward
   [[nodiscard]] std::optional<LightSeen> surface_emission(std::uint32_t material,
                                                           const Vec3f& normal,
@@ -161,7 +161,7 @@ class Lights {
     bool is_visible;
     float probability = 0.0f;
   };
-  /// Of an infinite light.
+  /// Share of next-event estimation for an infinite light of this radiance.
   [[nodiscard]] float next_event_share_of(const Vec3f& radiance) const;
   [[nodiscard]] std::optional<LightSeen> intersect_area_light(const AreaLight& area_light,
                                                               const Ray& ray, float from,

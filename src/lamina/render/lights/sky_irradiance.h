@@ -34,7 +34,8 @@ class SkyIrradiance {
   /// @param boundary  of the surface
   SkyIrradiance(const Lights& lights, const SurfaceBoundary& boundary);
 
-  /// What light from a direction gives: its cosine times the fraction that passes the boundary.
+  /// Irradiance inside per radiance from a direction: its cosine times the fraction that passes the
+  /// boundary.
   /// @param cos_i  in [0, 1]
   [[nodiscard]] float entering(float cos_i) const;
 

@@ -23,8 +23,8 @@ enum class DirectLight { combined, lights_only, surfaces_only };
 /// trace one of them.
 inline constexpr int light_candidates = 4;
 
-/// As how many candidates those count in MIS weights that product importance sampling of the
-/// specular lobe gave. Any number gives the same picture, this one little noise.
+/// Number of candidates, in MIS weights, that product importance sampling of the specular lobe
+/// counts as. Any number gives the same picture, this one little noise.
 inline constexpr float product_sampling_candidates = 32.0f;
 
 struct PathOptions {
@@ -32,8 +32,8 @@ struct PathOptions {
   DirectLight direct_light = DirectLight::combined;
 };
 
-/// What paths of light travel through: a scene with what was prepared for its materials. All must
-/// outlive it.
+/// Scene with all that was prepared for its materials, which paths of light travel through. All
+/// must outlive it.
 template <int N>
 struct PathWorld {
   const RenderScene& scene;

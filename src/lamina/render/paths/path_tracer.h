@@ -27,7 +27,7 @@ class PathTracer final : public LightGatherer<N> {
   [[nodiscard]] CameraSample trace_camera_ray(const Ray& ray, float spread,
                                               PixelSamples& samples) const;
 
-  /// Of a point that no path has come to before.
+  /// Light that enters at a point that no path has come to before.
   [[nodiscard]] Bands entering_irradiance(const SurfacePoint& entry,
                                           PixelSamples& samples) const override {
     return entering_light(entry, 0, samples, nullptr).irradiance;

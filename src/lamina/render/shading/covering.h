@@ -12,8 +12,9 @@
 
 namespace lamina {
 
-/// What thin coverings do to the light of the surface that they lie on, where each combination of
-/// them lies: layers solved by adding-doubling between the outside and what is below them.
+/// Table of how thin coverings change the light of the surface that they lie on, where each
+/// combination of them lies: layers solved by adding-doubling between the outside and what is below
+/// them.
 ///
 /// Light that enters or leaves passes the coverings at that very point. What is below sends light
 /// up that they return in part: of a base that returns R of the light that comes down to it, the
@@ -40,8 +41,9 @@ class CoveringTable {
     std::array<Bands, cosine_nodes> reflected, through;
     Bands mean_reflected;  ///< of diffuse light
     Bands below;           ///< of diffuse light from below, what comes back there
-    /// Of diffuse light from below, what leaves, over the mean of `through`: by reciprocity what
-    /// passes the top boundary of diffuse light from outside, over the square of the index below.
+    /// Fraction of diffuse light from below that leaves, over the mean of `through`: by reciprocity
+    /// what passes the top boundary of diffuse light from outside, over the square of the index
+    /// below.
     float leaving = 1.0f;
 
     /// All but `leaving` of a band; bands can be solved at once.
@@ -85,7 +87,7 @@ class CoverAt {
   /// @param reflectance  of the bare surface, of the flux that has entered
   [[nodiscard]] Bands returning(const Bands& reflectance) const;
 
-  /// As `reflection`, of the light that a matte surface below sends back. It stays below what it
+  /// Like `reflection`, of the light that a matte surface below sends back. It stays below what it
   /// came through.
   [[nodiscard]] Bands matte_reflection(float cos_i, float cos_o, const Bands& reflectance) const;
 

@@ -73,7 +73,7 @@ struct BoundaryHit {
 };
 using FindBoundary = std::function<std::optional<BoundaryHit>(const Vec3f& direction)>;
 
-/// The same through a boundary that is not the first surface on the way.
+/// Like find_refracted_entry, through a boundary that is not the first surface on the way.
 [[nodiscard]] std::optional<RefractedEntry> find_refracted_entry(
     const RenderScene& scene, const Vec3f& inside, const FindBoundary& find_boundary, float ior,
     const LightSample& light, const Vec3f& first);
@@ -81,8 +81,8 @@ using FindBoundary = std::function<std::optional<BoundaryHit>(const Vec3f& direc
 /// Whether the boundary is flat at a point, as far as its normals tell.
 [[nodiscard]] bool is_flat(const SurfacePoint& point);
 
-/// The same for a path that a flat part of the boundary reflects once on its way inside: that of
-/// the given point's image in it.
+/// Like find_refracted_entry for a path that a flat part of the boundary reflects once on its way
+/// inside: that of the given point's image in it.
 ///
 /// @param mirror  where it is, as met from inside
 /// @param first   from the image: towards where the light enters

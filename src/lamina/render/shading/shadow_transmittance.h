@@ -10,7 +10,7 @@ namespace lamina {
 /// Fraction of the surface that is there at a point; 1 unless the material is cut out by a map.
 [[nodiscard]] float opacity_at(const RenderScene& scene, const SurfacePoint& point);
 
-/// What comes straight through a thin surface at a point: boundary and layers, holes left out.
+/// Transmittance straight through a thin surface at a point: boundary and layers, holes left out.
 template <int N>
 [[nodiscard]] BandValues<N> straight_through(const RenderScene& scene, const ThinSheet<N>& sheet,
                                              const SurfacePoint& point, const Vec3f& direction);

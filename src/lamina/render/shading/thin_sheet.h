@@ -33,7 +33,7 @@ class ThinSheet {
   };
   [[nodiscard]] Place place_at(const TextureStore& textures, const SurfacePoint& point) const;
 
-  /// What light of one direction finds: fractions that are scattered back and through, and the one
+  /// Fractions of light of one direction that are scattered back and through, and the one
   /// that goes straight through.
   struct Fractions {
     Bands reflected, transmitted, straight;
@@ -46,7 +46,7 @@ class ThinSheet {
   /// side. Symmetric; its flux is `fractions().reflected`.
   [[nodiscard]] Bands reflection(const Place& place, int side, float cos_i, float cos_o) const;
 
-  /// The same for light that arrives on a side and leaves on the other.
+  /// Transmission of light that arrives on a side and leaves on the other.
   [[nodiscard]] Bands transmission(const Place& place, int side, float cos_i, float cos_o) const;
 
  private:

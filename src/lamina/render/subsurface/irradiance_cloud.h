@@ -35,8 +35,8 @@ struct IrradianceCloud {
   /// [point][band], of light that has spread: flux per area that leaves, and the share that would
   /// if all of the surface were like the patch. Empty before.
   std::vector<float> exitance, reflectance;
-  /// The same of light that entered on the other side of a sheet. Such points come twice, those
-  /// below behind all those above. Empty where the material is on no sheet.
+  /// Transmittances of light that entered on the other side of a sheet. Such points come twice,
+  /// those below behind all those above. Empty where the material is on no sheet.
   std::vector<float> transmittance;
 };
 

@@ -14,14 +14,14 @@
 
 namespace lamina {
 
-/// What methods have to say about their preparation.
+/// Notes and costs of a method's preparation.
 struct PreparationReport {
   std::vector<LightSamples> light_samples;
   std::vector<LightCorrection> corrections;
   std::vector<std::string> warnings;  ///< one line each
 };
 
-/// What a method prepares a picture with.
+/// Inputs of a method's preparation for a picture.
 template <int N>
 struct Preparation {
   const RenderScene& scene;

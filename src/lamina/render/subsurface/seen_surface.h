@@ -9,8 +9,8 @@
 
 namespace lamina {
 
-/// What a picture shows of translucent surfaces: found by rays from the camera, one to a pixel but
-/// no more than half a million, through glass and holes as they go in the picture.
+/// Points of translucent surfaces that a picture shows: found by rays from the camera, one to a
+/// pixel but no more than half a million, through glass and holes as they go in the picture.
 struct SeenSurface {
   std::vector<std::vector<SurfacePoint>> points;  ///< [material], in no order
   std::size_t rays = 0;
@@ -19,7 +19,7 @@ struct SeenSurface {
   double seconds_per_estimate = 0.0;  ///< of the light that enters where a surface is seen [CPU s]
 
   [[nodiscard]] std::size_t count() const;
-  /// What a pixel sees of a material [mm] where it comes close: but a twentieth of the points is
+  /// Width of a pixel on a material [mm] where it comes close: but a twentieth of the points is
   /// seen as finely. 0 if nothing of it is seen.
   [[nodiscard]] float pixel_size(std::uint32_t material) const;
   /// About how much of a material's surface is seen [mm²]: pixels see it at a slant.

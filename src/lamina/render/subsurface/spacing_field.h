@@ -17,7 +17,7 @@ class SpacingField {
  public:
   static constexpr int levels = 7;
 
-  /// The same everywhere [mm].
+  /// Makes a field of equal spacing [mm].
   explicit SpacingField(float spacing) : spacing_(spacing) {}
   /// @param seen     places [mm], any number
   /// @param spacing  of samples there [mm], > 0

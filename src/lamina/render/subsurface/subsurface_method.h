@@ -23,7 +23,8 @@ struct EnteringLight {
   float seen = 0.0f;     ///< and of what of that was not hidden
 };
 
-/// What methods of subsurface transport ask of the renderer: the light that enters a surface.
+/// Interface by which methods of subsurface transport ask the renderer for the light that enters a
+/// surface.
 template <int N>
 class LightGatherer {
  public:
@@ -34,7 +35,7 @@ class LightGatherer {
   [[nodiscard]] virtual BandValues<N> entering_irradiance(const SurfacePoint& entry,
                                                           PixelSamples& samples) const = 0;
 
-  /// The same with its error.
+  /// Light that enters, with its error.
   /// @param sky  for a boundary much like that at the point
   [[nodiscard]] virtual EnteringLight<N> entering_light(const SurfacePoint& entry,
                                                         PixelSamples& samples,
@@ -98,7 +99,8 @@ class SubsurfaceMethod {
                                                        const LightGatherer<N>& light,
                                                        PixelSamples& samples) const = 0;
 
-  /// The same without light that came straight through, which is as narrow as what shines behind.
+  /// Scattered radiance without light that came straight through, which is as narrow as what shines
+  /// behind.
   [[nodiscard]] virtual BandValues<N> scattered_radiance(const ExitPoint& exit,
                                                          const LightGatherer<N>& light,
                                                          PixelSamples& samples) const {

@@ -51,7 +51,7 @@ struct SurfaceCells {
                                               std::uint32_t material, float spacing,
                                               std::uint64_t seed);
 
-/// The same with cells of the sizes that a field asks for, a set for each of its levels.
+/// Makes cells of the sizes that a field asks for, a set for each of its levels.
 [[nodiscard]] std::vector<SurfaceCells> make_surface_cells(const std::vector<Mesh>& meshes,
                                                            std::uint32_t material,
                                                            const SpacingField& field,

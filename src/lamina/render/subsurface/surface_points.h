@@ -10,7 +10,7 @@
 
 namespace lamina {
 
-/// Of points in any order at most so many, spread over them: always the same ones.
+/// Selects at most so many of points in any order, spread over them: always the same ones.
 [[nodiscard]] std::vector<SurfacePoint> some_of(const std::vector<SurfacePoint>& all,
                                                 std::size_t most);
 

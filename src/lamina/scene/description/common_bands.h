@@ -19,7 +19,7 @@ struct SceneLayers {
   const Material* material = nullptr;
 };
 
-/// Those of all translucent surfaces in use, then those that lie over surfaces.
+/// Layers of all translucent surfaces in use, then those that lie over surfaces.
 [[nodiscard]] std::vector<SceneLayers> layers_of(const Scene& scene);
 
 /// Weights that turn the bands into colors. Where all that is translucent is skin, or was given in
@@ -38,7 +38,7 @@ struct SceneLayers {
 /// interpolated, and constant beyond those given.
 void make_bands_common(Scene& scene);
 
-/// What became of a material, in a line.
+/// Describes the change of a material in a line.
 [[nodiscard]] std::string describe_band_change(const BandChange& change, const Scene& scene);
 
 }  // namespace lamina

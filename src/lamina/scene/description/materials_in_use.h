@@ -13,7 +13,7 @@ namespace lamina {
 /// them is said, but nothing is prepared for them, and they ask for no method and no bands.
 [[nodiscard]] std::vector<bool> materials_in_use(const Scene& scene);
 
-/// Those of them that are SubsurfaceSurface, indices into Scene::materials.
+/// Materials in use that are SubsurfaceSurface, indices into Scene::materials.
 [[nodiscard]] std::vector<std::uint32_t> translucent_materials_in_use(const Scene& scene);
 
 }  // namespace lamina

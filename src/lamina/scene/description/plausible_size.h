@@ -19,7 +19,7 @@ namespace lamina {
 [[nodiscard]] std::optional<std::string> implausible_size(const std::string& name,
                                                           double longest_mm, double mm_per_unit);
 
-/// Those of the translucent meshes of a scene.
+/// Warnings of implausible sizes of the translucent meshes of a scene.
 [[nodiscard]] std::vector<std::string> implausible_sizes(const Scene& scene);
 
 }  // namespace lamina

@@ -17,7 +17,8 @@ namespace lamina {
 
 struct SubsurfaceMethodMaker;
 
-/// What is not part of a scene but of how it is computed. The defaults are right for pictures.
+/// Options that are not part of a scene but of how it is computed. The defaults are right for
+/// pictures.
 struct RenderOptions {
   /// How directions are drawn. Each alone converges to the same image, combined is the least noisy.
   enum class DirectLight { combined, lights_only, surfaces_only };

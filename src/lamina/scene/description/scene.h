@@ -156,7 +156,7 @@ struct DiffuseSurface {
   std::vector<Covering> over;                         ///< as of SubsurfaceSurface
 };
 
-/// Which light a rough dielectric passes on, and how its facets hide one another.
+/// Light that a rough dielectric passes on, and how its facets hide one another.
 enum class FacetScattering {
   single,    ///< light that meets one facet, Smith's masking; the rest is lost: [Walter2007]
   multiple,  ///< light that meets any number of them, so none is lost: [Heitz2016]
@@ -213,7 +213,7 @@ struct SurfaceMaterial {
   Vec3f emission{};  ///< radiance that it gives off on its outer side, of diffuse ones only
 };
 
-/// What lies over a surface; nothing over glass and thin sheets.
+/// Coverings that lie over a surface; nothing over glass and thin sheets.
 [[nodiscard]] inline std::span<const Covering> coverings_of(const SurfaceMaterial& material) {
   if (const auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface))
     return subsurface->over;
@@ -273,7 +273,8 @@ struct Film {
   float exposure = 0.0f;  ///< [stops], for the PNG only
   View view = View::filmic;
   bool has_alpha = false;  ///< channel A of the picture: how much of a pixel surfaces cover
-  /// That is rendered alone; absent: all of the picture. Its pixels are those of the whole picture.
+  /// Rectangle that is rendered alone; absent: all of the picture. Its pixels are those of the
+  /// whole picture.
   std::optional<PixelRectangle> region;
 };
 
@@ -312,7 +313,7 @@ struct ShadowMapSettings {
   friend bool operator==(const ShadowMapSettings&, const ShadowMapSettings&) = default;
 };
 
-/// What the method layered_bsdf follows inside the layers.
+/// Orders of scattering that the method layered_bsdf follows inside the layers.
 enum class LayeredOrders {
   first,        ///< light scattered once
   all,          ///< with a term of higher orders that has their flux

@@ -24,10 +24,10 @@ struct SkinTotals {
   bool by_transfer = true;  ///< totals by radiative transfer, else by diffusion
 };
 
-/// Of all translucent materials made by the recipe.
+/// Totals of all translucent materials made by the recipe.
 [[nodiscard]] std::vector<SkinTotals> skin_totals(const Scene& scene);
 
-/// That in a line, which warns of constants that were fitted with other totals.
+/// Describes totals in a line, which warns of constants that were fitted with other totals.
 [[nodiscard]] std::string describe_skin_totals(const SkinTotals& totals, const Scene& scene);
 
 }  // namespace lamina

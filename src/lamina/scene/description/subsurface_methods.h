@@ -29,10 +29,10 @@ namespace lamina {
 /// Whether any of a method's numbers is not the default.
 [[nodiscard]] bool has_numbers_of(const RenderSettings& settings, SceneMethod method);
 
-/// What the methods are, for the help of a command: "NAME HOW; NAME HOW".
+/// Describes the methods for the help of a command: "NAME HOW; NAME HOW".
 [[nodiscard]] std::string describe_methods(const std::vector<SceneMethod>& methods);
 
-/// The same as a table in Markdown, as docs/subsurface.md has it.
+/// Table of the methods in Markdown, as docs/subsurface.md has it.
 [[nodiscard]] std::string methods_table(const std::vector<SceneMethod>& methods);
 
 /// The keys of "render" that are about methods, as the properties of a JSON schema: "method" and an

@@ -11,7 +11,7 @@
 
 namespace lamina {
 
-/// What can be counted of some faces of a mesh.
+/// Counts over some faces of a mesh.
 struct FaceCounts {
   std::size_t faces = 0, triangles = 0;
   std::size_t degenerate_faces = 0;   ///< without area
@@ -26,7 +26,7 @@ struct PartReport {
   FaceCounts counts;
 };
 
-/// What a mesh is like, before anything of it is mended.
+/// Report on a mesh before anything of it is mended.
 struct MeshReport {
   FaceCounts counts;
   std::size_t vertices = 0;    ///< distinct positions
@@ -48,8 +48,8 @@ struct MeshReport {
 /// material.
 [[nodiscard]] PolygonMesh polygons_of(const Mesh& mesh);
 
-/// What a mesh takes when it is rendered, about: its numbers and 100 bytes a triangle for the tree
-/// that rays go down.
+/// Memory that a mesh takes when it is rendered, about: its numbers and 100 bytes a triangle for
+/// the tree that rays go down.
 [[nodiscard]] std::size_t rendering_memory(std::size_t vertices, std::size_t triangles);
 
 }  // namespace lamina

@@ -43,7 +43,7 @@ struct MeshPart {
 /// apart, so that the surface stays connected across seams of the texture.
 struct PolygonMesh {
   std::string name;  ///< the file or shape, for messages
-  /// That positions are counted from: 0 unless floats were too coarse for the mesh where it lies.
+  /// Origin of the positions: 0 unless floats were too coarse for the mesh where it lies.
   Vec3 origin;
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;  ///< of corners; may be empty

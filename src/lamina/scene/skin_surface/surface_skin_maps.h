@@ -79,7 +79,7 @@ struct SurfaceFeature {
   SurfacePlaces where;
 };
 
-/// What `lamina maps` makes maps of, on a mesh: images over its texture coordinates.
+/// Recipe of maps on a mesh by `lamina maps`: images over its texture coordinates.
 struct SurfaceMapRecipe {
   int width = 1024, height = 1024;
   std::uint64_t seed = 0;
@@ -131,7 +131,7 @@ struct ColorMatch {
 
 /// The exposure, in eighths of a stop from -3 to 1, at which colors are most like skin.
 [[nodiscard]] ColorMatch match_exposure(const SkinOfColor& table, std::span<const Vec3f> colors);
-/// The same for the image of a feature, where the surface of the recipe shows it.
+/// Matches exposure for the image of a feature, where the surface of the recipe shows it.
 [[nodiscard]] ColorMatch match_exposure(const SurfaceMapRecipe& recipe, const ColorOfSkin& color);
 
 }  // namespace lamina

@@ -14,7 +14,7 @@ namespace lamina {
 [[nodiscard]] std::pair<float, float> range_of(const std::vector<Image>& images,
                                                std::span<const ScalarParameter> terms);
 
-/// The same of a color, each channel by itself.
+/// Range of a color, each channel by itself.
 [[nodiscard]] std::pair<Vec3f, Vec3f> range_of(const std::vector<Image>& images,
                                                const ColorParameter& color);
 

@@ -18,7 +18,7 @@ class PointGrid {
     Vec3f position, normal;
   };
   static constexpr int capacity = 48;  ///< of points within reach; further ones are left out
-  /// What a fit of a plane through the values at nearby points makes of each value.
+  /// Coefficients of each nearby value in the fit of a plane through them.
   struct Weights {
     std::array<std::uint32_t, capacity> point;
     std::array<float, capacity> weight;

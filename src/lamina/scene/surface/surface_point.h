@@ -26,7 +26,7 @@ struct SurfacePoint {
   bool is_below = false;  ///< of a sheet: on the side of the last layer
 };
 
-/// The same point seen from the other side: its normals are turned round.
+/// The point seen from the other side: its normals are turned round.
 /// @param is_sheet  whether that side is another one of the layers, which light passes
 [[nodiscard]] inline SurfacePoint turned_over(SurfacePoint point, bool is_sheet) {
   point.geometric_normal = -point.geometric_normal;
@@ -40,7 +40,7 @@ struct SurfacePoint {
 [[nodiscard]] SurfacePoint make_surface_point(const std::vector<Mesh>& meshes, const Hit& hit,
                                               float footprint);
 
-/// The same without what textures ask of it: du, dv, uv and footprints are 0.
+/// Makes a point without what textures ask of it: du, dv, uv and footprints are 0.
 [[nodiscard]] SurfacePoint make_bare_surface_point(const std::vector<Mesh>& meshes, const Hit& hit);
 
 /// The origin of a ray that leaves `point` towards `direction` without meeting its own triangle.

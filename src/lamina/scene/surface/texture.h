@@ -44,7 +44,7 @@ class TextureStore {
     std::vector<Level> levels;            ///< each half the size of the last, down to 1 x 1
   };
 
-  /// Of a map that is no noise.
+  /// Color of a map that is no noise.
   [[nodiscard]] Vec3f source_color(const TextureMap& map, const SurfacePoint& point) const;
   [[nodiscard]] Vec3f texel(const Pyramid& pyramid, std::size_t level, int x, int y) const;
   [[nodiscard]] Vec3f bilinear(const Pyramid& pyramid, std::size_t level, Vec2f uv) const;

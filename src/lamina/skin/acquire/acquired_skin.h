@@ -16,7 +16,7 @@
 
 namespace lamina {
 
-/// What a pixel of a capture is.
+/// Kind of a pixel of a capture.
 enum class PixelKind : std::uint8_t {
   skin,
   unused,    ///< by the capture's mask, which says why
@@ -47,7 +47,7 @@ struct InversionCourse {
 struct AcquiredSkin {
   int width = 0, height = 0;
   std::vector<AcquiredNumber> numbers;
-  /// What the maps reflect, as the capture's reflectance, at every picture_step-th pixel; NaN
+  /// Reflectance of the maps, as the capture's, at every picture_step-th pixel; NaN
   /// where, and empty if, not worked out
   Image predicted;
   std::optional<InversionCourse> inversion;  ///< absent: each pixel by a table

@@ -11,7 +11,7 @@
 
 namespace lamina {
 
-/// What acquired maps say, held against what was photographed, and how far they hang on the
+/// Comparison of acquired maps with what was photographed, and how far they hang on the
 /// calibration.
 struct AcquisitionCheck {
   Image measured;                ///< [y][x][band] every picture_step-th pixel of the capture

@@ -32,8 +32,8 @@ struct Capture {
   Image deviation;
   PixelMask mask;              ///< pixels that are used
   std::vector<double> errors;  ///< [band] relative standard deviation, noise and calibration
-  /// Of the logarithms of gains that are not known, [band][band]: the same error at all pixels.
-  /// Empty: none
+  /// Covariance of the logarithms of gains that are not known, [band][band]: the same error at all
+  /// pixels. Empty: none
   DenseMatrix gain_covariance;
   std::vector<Image> lights;             ///< patterns of light [y][x], "Y"; empty: even light
   std::vector<std::size_t> band_lights;  ///< [band] which of them; empty: the first

@@ -17,7 +17,7 @@ struct PatchAcquisitionOptions {
   OperatorTotals totals = OperatorTotals::radiative_transfer_profile;
   InversionOptions inversion = {.deviation_samples = usual_deviation_samples};
   std::vector<Image> start;  ///< [number] values to go on from; empty: none
-  /// What the inversion may take [bytes]; where it would take more, tiles of half of that
+  /// Memory that the inversion may take [bytes]; where it would take more, tiles of half of that
   double most_bytes = 0x1p30;
   std::optional<KeptTiles> kept = {};  ///< of a capture that goes by tiles
 

@@ -34,7 +34,7 @@ struct AcquisitionPlan {
   bool has_table = false;  ///< of the fits of all colors; else all pixels together
 };
 
-/// What suits a capture, where it is left open. Without a table only concentrations can be told:
+/// Plans what a capture leaves open. Without a table only concentrations can be told:
 /// unless the file says which numbers are wanted, the others are taken out of the capture.
 [[nodiscard]] AcquisitionPlan plan_acquisition(Capture& capture, LateralLight lateral);
 

@@ -25,7 +25,7 @@ struct ColorMeasurement {
 enum class ColorSide : std::uint8_t { dark, bright, colored };
 inline constexpr std::size_t color_sides = 3;
 
-/// What fit_skin finds for a color.
+/// Result of fit_skin for a color.
 struct ColorFit {
   static constexpr std::size_t most_numbers = 8;
   std::array<float, most_numbers> values = {};
@@ -57,7 +57,7 @@ class SkinColorTable {
                  const Progress& progress = {});
 
   [[nodiscard]] const std::vector<SkinFitNumber>& numbers() const { return numbers_; }
-  /// Of the coordinates of the numbers, among people.
+  /// Prior deviations of the coordinates of the numbers, among people.
   [[nodiscard]] const std::vector<double>& prior_deviations() const { return priors_; }
 
   /// @param color  as the sensor has it, as a fraction of white. What is darker or more colorful
@@ -65,7 +65,7 @@ class SkinColorTable {
   [[nodiscard]] ColorFit at(const std::array<float, 3>& color) const;
 
  private:
-  /// Of a node: exponents of the numbers, logarithms of deviations, and the distance.
+  /// Channels of a node: exponents of the numbers, logarithms of deviations, and the distance.
   static constexpr std::size_t channels = 2 * ColorFit::most_numbers + 1;
 
   /// Two places across and the brightness.

@@ -26,7 +26,7 @@ inline constexpr auto enum_names<FitScale> =
                                        {"logarithmic", FitScale::logarithmic},
                                        {"logit", FitScale::logit}});
 
-/// What was measured, as measurement files name it.
+/// Kind of a measurement, as measurement files name it.
 enum class MeasurementKind {
   totals,              ///< fractions of the light that leave above and below
   spatial_frequency,   ///< the same of light in waves, k
@@ -82,7 +82,8 @@ struct MeasuredSeries {
   MeasurementKind kind = MeasurementKind::totals;
   Incidence incidence = {};
   bool has_specular = true;  ///< of totals: whether the reflectance has the first reflection
-  /// Of totals in spheres [mm]: light that leaves beside the sample's ports is lost to them.
+  /// Diameter of the beam of totals in spheres [mm]: light that leaves beside the sample's ports is
+  /// lost to them.
   std::optional<double> beam_diameter = {};
   double detector_width = 0.0;  ///< of what is measured over radius [mm]
   bool is_relative = false;     ///< times a factor that is not known: of each curve over time, of
@@ -134,14 +135,14 @@ struct StatedNumber {
 /// All of them, in the order of the file; wavelengths of bands and versions are none.
 [[nodiscard]] std::vector<StatedNumber> stated_numbers(const MeasuredMaterial& material);
 
-/// What a measurement file says.
+/// Measurement of a file.
 struct Measurement {
   std::string name, source;
   MeasuredMaterial material;
   BandSet bands = BandSet::rgb();  ///< those measured, of the material where it is solved
   std::vector<FreeNumber> free;
   std::vector<MeasuredSeries> series;
-  /// What is known of skin before. The free numbers that it knows have its priors, which go
+  /// Prior of skin. The free numbers that it knows have its priors, which go
   /// together; all others then have one of their own.
   std::optional<SkinPopulation> population = {};
   int starts = 1;             ///< as in FitOptions

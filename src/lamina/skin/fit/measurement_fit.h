@@ -29,7 +29,7 @@ struct FittedGroup {
   DenseMatrix correlation;           ///< of these
 };
 
-/// What a measurement says of a material.
+/// Result of a measurement for a material.
 struct MeasurementFit {
   std::vector<FittedNumber> numbers;
   std::vector<FittedGroup> groups;

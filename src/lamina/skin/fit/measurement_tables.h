@@ -23,7 +23,7 @@ class MeasurementTables {
   /// @throws Interrupted if progress asks to stop.
   void prepare(const Measurement& measurement, const Progress& progress = {});
 
-  /// That of a series; null if it has none.
+  /// Table of a series; null if it has none.
   [[nodiscard]] std::shared_ptr<const fit_detail::RecipeTotals> find(
       const Measurement& measurement, const MeasuredSeries& series) const;
 

@@ -34,7 +34,7 @@ class MapExample {
   static constexpr std::size_t most_maps = 16;
 
   [[nodiscard]] double tile() const { return tile_; }
-  /// What the maps are of; their images are empty.
+  /// Maps of the example; their images are empty.
   [[nodiscard]] std::span<const SkinMap> maps() const { return maps_; }
   [[nodiscard]] double mean(std::size_t map) const { return means_[map]; }
 
@@ -47,7 +47,7 @@ class MapExample {
     double cos, sin;   ///< of its turn
     bool is_mirrored;  ///< before it is turned
   };
-  /// That of a tile of a given number.
+  /// Shift of a tile of a given number.
   [[nodiscard]] Shift shift_of(std::uint64_t seed, std::uint64_t tile) const;
 
   /// A tile as a place sees it.
@@ -58,7 +58,7 @@ class MapExample {
   /// @param offset  of the place from the tile's middle [mm]
   [[nodiscard]] static Vec2 place_of(const Shift& shift, const Vec2& offset);
 
-  /// What the maps become at a place.
+  /// Values of the maps at a place.
   /// @param tiles   all within `reach` of the nearest, at least one
   /// @param width   of the texel there [mm]; detail that is finer is averaged
   /// @param values  [map], the result

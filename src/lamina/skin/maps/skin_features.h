@@ -94,7 +94,7 @@ struct Synthesis {
 using SkinFeature =
     std::variant<MelaninSpots, Veins, Blotches, Tattoo, PressedDisc, Unevenness, Synthesis>;
 
-/// What `lamina maps` makes maps of.
+/// Recipe of the maps that `lamina maps` makes.
 struct SkinMapRecipe {
   int width = 512, height = 512;
   double mm_per_texel = 0.05;
@@ -128,10 +128,10 @@ void require_ink(const Tattoo& tattoo, SkinParameters skin, const JsonInput& fea
 [[nodiscard]] PressedDisc decode_disc(const JsonObject& object);
 [[nodiscard]] Veins decode_vein_look(const JsonObject& object);
 
-/// What is not the same everywhere, as maps without images.
+/// Numbers that are not the same everywhere, as maps without images.
 [[nodiscard]] std::vector<SkinMap> varying_numbers(std::span<SkinParameters> skin);
 
-/// What a map gives at a place, brought into its range.
+/// Value of a map at a place, brought into its range.
 [[nodiscard]] float clamped_number(SkinParameters& skin, const SkinMap& map);
 
 /// Reads a recipe, changed by settings as parse_json takes them; docs/heterogeneous_skin.md has the

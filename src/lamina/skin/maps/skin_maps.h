@@ -25,10 +25,10 @@ struct SkinMap {
   std::size_t ink = 0;  ///< which one, where there is no parameter
 };
 
-/// What a map gives, in skin that has its ink.
+/// Number of skin that a map gives, in skin that has its ink.
 [[nodiscard]] double& mapped_number(SkinParameters& skin, const SkinMap& map);
 
-/// What maps and files call an ink: its name, or its place.
+/// Name of an ink in maps and files: its name, or its place.
 [[nodiscard]] std::string ink_name(const SkinParameters& skin, std::size_t ink);
 
 /// Skin that differs from place to place: a recipe "skin" whose numbers may be maps.

@@ -19,7 +19,7 @@ struct NumberTexels {
   std::vector<float> values;  ///< [texel][channel]
 };
 
-/// What a material is at each texel in one band.
+/// Material at each texel in one band.
 struct BandTexels {
   std::vector<LayerTexels> layers;
   /// [layer - 1] natural absorbance of the sheet above a layer, per crossing; a number for each
@@ -27,7 +27,7 @@ struct BandTexels {
   std::vector<std::vector<float>> absorbance;
 };
 
-/// The same from below.
+/// Texels lit from below.
 [[nodiscard]] inline BandTexels flipped(BandTexels texels) {
   std::ranges::reverse(texels.layers);
   std::ranges::reverse(texels.absorbance);
@@ -56,7 +56,7 @@ struct BandTexels {
                                        const BandTexels& texels,
                                        const GaussianTableGrid& grid = {});
 
-/// What tables take as the absorption of each layer while others vary.
+/// Absorption of each layer that tables take while others vary.
 [[nodiscard]] std::vector<double> reference_absorptions(const BandTexels& texels);
 
 /// The mean natural absorbance of each sheet, [layer - 1].

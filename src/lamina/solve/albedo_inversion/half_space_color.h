@@ -10,7 +10,7 @@
 
 namespace lamina {
 
-/// What is called the color of a translucent half-space. The first reflection is all that comes
+/// Definition of the color of a translucent half-space. The first reflection is all that comes
 /// back without having been below the surface, also from several facets of a rough one.
 enum class ColorDefinition {
   openpbr,  ///< light at 0 degrees: what leaves over what gets in; the text of [OpenPBR] 1.1.1
@@ -63,7 +63,7 @@ class HalfSpaceColor {
   /// The albedo that has a color. @throws InvalidInput if none has, saying which ones are reached.
   [[nodiscard]] double albedo(double color) const;
 
-  /// The same of the nearest color that is reached.
+  /// Albedo of the nearest color that is reached.
   [[nodiscard]] double nearest_albedo(double color) const;
 
  private:
@@ -91,7 +91,7 @@ struct SolvedColor {
 /// @throws InvalidInput as HalfSpaceColor.
 [[nodiscard]] SolvedColor solve_color(const HalfSpaceLook& look, double albedo);
 
-/// Which length is given as the radius of a medium.
+/// Length that is given as the radius of a medium.
 enum class RadiusMeaning {
   mean_free_path,          ///< 1 / sigma_t, as OpenPBR has it
   reduced_mean_free_path,  ///< 1 / sigma_t_prime

@@ -13,8 +13,8 @@ namespace lamina {
 /// Source: [VanDeHulst1980] as [KullaConty2017] give it.
 [[nodiscard]] double van_de_hulst_color(double albedo, double g);
 
-/// Its inverse: the formula that [OpenPBR] 1.1.1, section Subsurface, KHR_materials_scatter and
-/// Blender 5.2 print.
+/// Albedo of a color, the inverse: the formula that [OpenPBR] 1.1.1, section Subsurface,
+/// KHR_materials_scatter and Blender 5.2 print.
 [[nodiscard]] double van_de_hulst_albedo(double color, double g);
 
 /// The albedo that Blender makes of a color from 3.0 to 5.1, and later where its method says so.

@@ -7,7 +7,7 @@
 
 namespace lamina {
 
-/// What a reading of a sphere is compared with.
+/// Reference that a reading of a sphere is compared with.
 enum class SphereMethod {
   substitution,  ///< the reference, which was in the sample's port before: the sphere has changed
   comparison     ///< a second beam in the same sphere, as of spectrometers with two beams
@@ -37,7 +37,7 @@ struct IntegratingSphere {
 /// @throws InvalidInput naming the number, the rule that it breaks and its value.
 void check_sphere(const IntegratingSphere& sphere);
 
-/// What a beam sends into the sphere at the sample, as fractions of it.
+/// Light that a beam sends into the sphere at the sample, as fractions of it.
 struct SampleLight {
   double scattered = 0.0;  ///< from the sample's face to all sides
   double straight = 0.0;   ///< as a beam onto the wall: mirrored, or let through unscattered
@@ -50,7 +50,7 @@ struct SphereReading {
   double by_scattered = 0.0, by_straight = 0.0, by_diffuse_reflectance = 0.0;
 };
 
-/// What a sphere over the lit side reads: its reference is a standard in the sample's port.
+/// Reading of a sphere over the lit side: its reference is a standard in the sample's port.
 ///
 /// @param reflected            what the sample reflects within the port
 /// @param diffuse_reflectance  of the sample for diffuse light of the sphere that fills its port
@@ -65,7 +65,7 @@ struct SphereReading {
                                                 const SampleLight& reflected,
                                                 double diffuse_reflectance);
 
-/// What a sphere behind the sample reads: its reference is the beam through the empty port.
+/// Reading of a sphere behind the sample: its reference is the beam through the empty port.
 ///
 /// @param transmitted          what the sample lets through within the port
 /// @param diffuse_reflectance  of the side that looks into the sphere

@@ -10,8 +10,8 @@
 
 namespace lamina {
 
-/// What leaves a sample beside the ports that should collect it, as fractions of the light that
-/// arrives.
+/// Light that leaves a sample beside the ports that should collect it, as fractions of the light
+/// that arrives.
 struct LostLight {
   Estimate reflected, transmitted;
 };

@@ -42,12 +42,12 @@ class LeafTotalsTable {
   /// At one of the wavelengths. What lies out of the range counts as its nearest place.
   [[nodiscard]] Totals totals(const LeafParameters& leaf, std::size_t wavelength) const;
 
-  /// The same with its derivatives by numbers of the leaf, [number].
+  /// Totals with their derivatives by numbers of the leaf, [number].
   [[nodiscard]] Totals totals(const LeafParameters& leaf, std::size_t wavelength,
                               std::span<double LeafParameters::*const> numbers,
                               std::span<Totals> derivatives) const;
 
-  /// What the surface mirrors, the same at all wavelengths.
+  /// Specular reflectance of the surface, the same at all wavelengths.
   [[nodiscard]] double specular_reflectance() const { return specular_; }
 
  private:

@@ -10,7 +10,7 @@
 
 namespace lamina {
 
-/// What becomes of diffuse light that has entered a material: the fractions of it that leave above
+/// Totals of diffuse light that has entered a material: the fractions of it that leave above
 /// and below.
 struct EnteredTotals {
   double reflectance = 0.0, transmittance = 0.0;
@@ -20,20 +20,20 @@ struct EnteredTotals {
 /// roughness being the renderer's business.
 [[nodiscard]] EnteredTotals material_totals(const LayerStack& layers);
 
-/// The same for all bands, in parallel, [band].
+/// Totals of all bands, in parallel, [band].
 [[nodiscard]] std::vector<EnteredTotals> material_totals(std::span<const LayerStack> bands);
 
 /// A profile per entered flux with the totals of its layers by radiative transfer, [band]: the
 /// shape is kept. What is too little to be told from none stays.
 [[nodiscard]] Profile with_material_totals(Profile profile, std::span<const LayerStack> bands);
 
-/// The same layers with a smooth upper surface and a smooth lowest one.
+/// Layers with a smooth upper surface and a smooth lowest one.
 [[nodiscard]] LayerStack with_smooth_ends(const LayerStack& stack);
 
-/// The same layers with a smooth lowest surface.
+/// Layers with a smooth lowest surface.
 [[nodiscard]] LayerStack with_smooth_bottom(const LayerStack& stack);
 
-/// Of all layers but the last [mm].
+/// Thickness of all layers but the last [mm].
 [[nodiscard]] double thickness_of_upper_layers(const LayerStack& stack);
 
 /// Layers of which the last is infinite as a thin object: a slab with the same layers on both sides

@@ -43,7 +43,7 @@ class SkinReflectanceTable {
   /// What lies out of the range counts as its nearest place.
   [[nodiscard]] std::vector<double> reflectance(const SkinParameters& skin) const;
 
-  /// The same with its derivatives by numbers of the skin, [wavelength][number].
+  /// Reflectance with its derivatives by numbers of the skin, [wavelength][number].
   [[nodiscard]] std::vector<double> reflectance(const SkinParameters& skin,
                                                 std::span<double SkinParameters::*const> numbers,
                                                 DenseMatrix& derivatives) const;
@@ -53,7 +53,7 @@ class SkinReflectanceTable {
                                       std::span<double SkinParameters::*const> numbers = {},
                                       std::span<double> derivatives = {}) const;
 
-  /// What the surface mirrors, the same at all wavelengths.
+  /// Specular reflectance of the surface, the same at all wavelengths.
   [[nodiscard]] double specular_reflectance() const { return specular_; }
 
  private:

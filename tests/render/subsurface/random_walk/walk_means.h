@@ -10,7 +10,7 @@
 
 namespace lamina {
 
-/// Of estimates that are independent of one another.
+/// Means of estimates that are independent of one another.
 struct WalkMeans {
   std::array<double, 3> mean{}, error{};  ///< [band]; the latter is the standard error
 };

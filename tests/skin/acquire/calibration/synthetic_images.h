@@ -37,7 +37,7 @@ inline void add_noise(Image& image, double read_variance, double gain, std::uint
   }
 }
 
-/// What skin looks like from near: spots of some pixels, about 1, at any place.
+/// Texture of skin from near: spots of some pixels, about 1, at any place.
 /// @param contrast  of the spots, 0.1 say
 inline double skin_texture(double x, double y, double contrast) {
   double sum = 0.0;

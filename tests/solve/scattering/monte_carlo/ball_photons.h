@@ -15,7 +15,7 @@
 
 namespace lamina::reference {
 
-/// Of the even light that falls on a ball, the fraction that enters, is scattered and leaves again:
+/// Fraction of the even light falling on a ball that enters, is scattered and leaves again:
 /// a slow and literal Monte Carlo in double precision, one photon at a time, on the exact sphere.
 /// It shares nothing with the renderer but Fresnel's formula. Seen from far away it is also the
 /// radiance of the ball in light of radiance 1, mean over its disc, without what is mirrored.

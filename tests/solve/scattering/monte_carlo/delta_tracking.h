@@ -13,7 +13,7 @@
 
 namespace lamina {
 
-/// What a place holds: a tissue's number and its coefficients.
+/// Tissue at a place: its number and its coefficients.
 struct Tissue {
   std::size_t number;
   Medium medium;

@@ -15,7 +15,7 @@ inline constexpr std::size_t summed_columns = 16;
 void sum_rows(const double* rows, std::size_t row_count, std::size_t columns, const double* weights,
               double* sums);
 
-/// The same of three weights at once, [row][3], to [3][column] with `stride` between the three.
+/// Sums rows by three weights at once, [row][3], to [3][column] with `stride` between the three.
 void sum_rows_by_three(const double* rows, std::size_t row_count, std::size_t columns,
                        const double* weights, double* sums, std::size_t stride);
 

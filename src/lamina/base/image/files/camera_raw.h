@@ -19,7 +19,7 @@ struct CameraRaw {
   double iso = 0.0, f_number = 0.0;
 };
 
-/// What becomes of the four pixels that see red, green, green, and blue.
+/// Reconstruction of colors from the four pixels that see red, green, green, and blue.
 enum class Demosaic {
   half_size,  ///< one pixel: noise stays independent
   bilinear,   ///< four, of which what a pixel does not see is the mean of its neighbours

@@ -28,7 +28,7 @@ struct EnviBand {
   double width = 0.0;  ///< [nm] full, > 0 but for the nearest
 };
 
-/// What to read of a file, so that not all of it need be in memory.
+/// Part of a file to be read, so that not all of it need be in memory.
 struct EnviSelection {
   std::vector<EnviBand> bands;              ///< none: all but those that the file calls bad
   std::optional<PixelRectangle> rectangle;  ///< absent: the whole image

@@ -17,7 +17,7 @@ enum class EnviInterleave {
   bip,  ///< [y][x][band]
 };
 
-/// What the header of an ENVI file says: the text beside the numbers of a camera of many bands.
+/// Header of an ENVI file: the text beside the numbers of a camera of many bands.
 struct EnviHeader {
   std::size_t samples = 0, lines = 0, bands = 0;  ///< >= 1; width, height
   std::uint64_t offset = 0;                       ///< bytes before the numbers
@@ -35,7 +35,7 @@ struct EnviHeader {
 /// Bytes of one number.
 [[nodiscard]] std::size_t envi_number_size(const EnviHeader& header);
 
-/// What the channel of a band is called: its wavelength, "540nm"; else its name, else "band 7".
+/// Channel name of a band: its wavelength, "540nm"; else its name, else "band 7".
 [[nodiscard]] std::string envi_channel_name(const EnviHeader& header, std::size_t band);
 
 /// @param name  the file that messages name.

@@ -57,7 +57,7 @@ struct ImageReading {
 [[nodiscard]] Image load_image(const std::filesystem::path& file,
                                ColorEncoding encoding = ColorEncoding::srgb);
 
-/// The same for the bytes of a file, as in a GLB; `name` stands for the file in messages.
+/// Decodes the bytes of a file, as in a GLB; `name` stands for the file in messages.
 [[nodiscard]] Image decode_image(std::span<const std::byte> bytes, const std::string& name,
                                  const ImageReading& reading, MemoryBudget& memory);
 [[nodiscard]] Image decode_image(std::span<const std::byte> bytes, const std::string& name,

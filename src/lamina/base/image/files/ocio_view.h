@@ -8,7 +8,7 @@
 
 namespace lamina {
 
-/// Which view of an OpenColorIO config; what is empty, the config chooses.
+/// View of an OpenColorIO config; names left empty are chosen by the config.
 struct OcioChoice {
   std::string config;  ///< path of the file
   std::string display, view;
@@ -33,9 +33,9 @@ class OcioView {
   [[nodiscard]] const std::string& view() const;
 
   /// An image for display: the channels R, G, B (or Y) in linear Rec.709 times 2^exposure, seen
-  /// through the view. As view_image (base/image/tone.h) ready for save_png, which then holds the code
-  /// values that OpenColorIO gives, cut off at 0 and 1. NaN is 0, light beyond 65504 is that. A
-  /// stays as it is, other channels are left out.
+  /// through the view. As view_image (base/image/tone.h) ready for save_png, which then holds the
+  /// code values that OpenColorIO gives, cut off at 0 and 1. NaN is 0, light beyond 65504 is that.
+  /// A stays as it is, other channels are left out.
   /// @param exposure  [stops]
   /// @throws InvalidInput if there are no such channels
   [[nodiscard]] Image see(const Image& image, double exposure = 0.0) const;

@@ -32,7 +32,7 @@ struct Node {
   bool is_whole = false;  ///< a number without point and exponent
 };
 
-/// What says a value: a file, or an option of the command line.
+/// Origin of a value: a file, or an option of the command line.
 struct Source {
   std::string name;        ///< as messages show it
   bool is_option = false;  ///< has no lines; its files are relative to the working folder

@@ -13,7 +13,7 @@ namespace lamina::input_detail {
 /// "must be >= 0 [1/mm]", "must lie in (0, 180) deg".
 [[nodiscard]] std::string rule_of(const NumberRange& range);
 
-/// The same where something else than a number is given: "must be a number >= 0 [1/mm]", "must be a
+/// Rule where something else than a number is given: "must be a number >= 0 [1/mm]", "must be a
 /// number in (0, 180) deg".
 [[nodiscard]] std::string number_rule_of(const NumberRange& range);
 

@@ -8,7 +8,7 @@
 
 namespace lamina {
 
-/// What kind of height field, in units of the correlation length tau.
+/// Shape of a height field, in units of the correlation length tau.
 struct HeightFieldShape {
   double smoothness = 3.0;         ///< s = tau / sigma, > 0
   int cells_per_correlation = 16;  ///< 16 flattens the slopes by 0.15 % of their variance

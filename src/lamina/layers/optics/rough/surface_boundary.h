@@ -53,7 +53,7 @@ struct SpecularLobe {
   float share = 1.0f;      ///< of the surface, in [0, 1]
 };
 
-/// What lies over the base of an opaque surface at one point: nothing, a boundary, or several side
+/// Boundary over the base of an opaque surface at one point: nothing, a boundary, or several side
 /// by side. Each light ray crosses one of them. What they reflect does not enter, and what is
 /// inside leaves with the angular distribution of what they let through, so light is never lost
 /// twice: a base of reflectance 1 under any boundary returns exactly all light.

@@ -46,7 +46,8 @@ struct ShiningPoint {
 /// The triangles of a material that shines, sampled evenly over their area.
 class ShiningTriangles {
  public:
-  /// Of all meshes of a scene; their normals are on the side of those of the vertices.
+  /// Collects the triangles of all meshes of a scene; their normals are on the side of those of the
+  /// vertices.
   ShiningTriangles(const std::vector<Mesh>& meshes, std::uint32_t material);
 
   [[nodiscard]] ShiningPoint sample(Vec2f u) const;

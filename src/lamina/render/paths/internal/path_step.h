@@ -6,7 +6,7 @@
 
 namespace lamina {
 
-/// What a path gathers where it meets a surface, and how it is continued. Radiances are towards the
+/// Radiance of a path where it meets a surface, and how it is continued. Radiances are towards the
 /// path's ray, its throughput aside.
 template <int N>
 struct PathStep {

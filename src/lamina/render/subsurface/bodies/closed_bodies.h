@@ -22,7 +22,8 @@ struct Box {
 /// Around points, with a margin.
 [[nodiscard]] Box box_around(std::span<const SurfacePoint> points, float margin);
 
-/// Which mesh of the material is open, where, and what to do; absent if all are closed.
+/// Warning that names the mesh of the material that is open, where, and what to do; absent if all
+/// are closed.
 [[nodiscard]] std::optional<std::string> openness(const Scene& scene, std::uint32_t material);
 
 }  // namespace lamina

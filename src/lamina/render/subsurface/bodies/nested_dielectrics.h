@@ -36,12 +36,12 @@ class NestedDielectrics {
   /// `scene` must outlive it.
   explicit NestedDielectrics(const RenderScene& scene);
 
-  /// Of the medium inside a mesh; `none` if it is not a body.
+  /// Material of the medium inside a mesh; `none` if it is not a body.
   [[nodiscard]] std::uint32_t material_of(std::uint32_t mesh) const { return material_[mesh]; }
   /// The mesh of highest priority; `none` if the list is empty.
   [[nodiscard]] std::uint32_t highest_priority(const InteriorList& interior) const;
 
-  /// What lies just beyond a surface.
+  /// Medium just beyond a surface.
   struct Crossing {
     InteriorList beyond;
     bool is_blocked = false;  ///< by a surface that is not that of a body's medium

@@ -17,8 +17,8 @@ struct OpticalSize {
   [[nodiscard]] double in_mean_free_paths() const { return size / mean_free_path; }
 };
 
-/// Of the closed bodies of a translucent material; absent if any of them is open, or if its layers
-/// end.
+/// Optical size of the closed bodies of a translucent material; absent if any of them is open, or
+/// if its layers end.
 ///
 /// The mean chord of a body is 4 V / S (Cauchy): two thirds of the diameter of a ball, twice the
 /// thickness of a sheet. So it is small for thin bodies however wide they are, and small parts of

@@ -59,9 +59,9 @@ class CorrectedTransport final : public SubsurfaceMethod<N> {
   }
 
  private:
-  /// As many as the pixels that show the material can use.
+  /// Number of places that the pixels showing the material can use.
   [[nodiscard]] double places_wanted(const Preparation<N>& with) const;
-  /// Of so many where the surface is seen [mm].
+  /// Spacing of so many places where the surface is seen [mm].
   [[nodiscard]] float spacing_of_places(const Preparation<N>& with) const;
 
   /// Walks, and fits what they find. Without a camera's preference where it is kept for others.

@@ -22,7 +22,7 @@ struct SheetedLayers {
 /// The junction of skin, a layer of a micrometre, as a sheet that absorbs.
 [[nodiscard]] SheetedLayers with_sheets(Material material);
 
-/// What the layers of a material are at each texel of its maps, in all bands; without maps there is
+/// Layers of a material at each texel of its maps, in all bands; without maps there is
 /// one texel. Between texels all is bilinear.
 template <int N>
 struct LayerMaps {

@@ -59,7 +59,7 @@ class HierarchyTransport final : public SubsurfaceMethod<N> {
   [[nodiscard]] bool prepare(const Preparation<N>& with) override;
   [[nodiscard]] SubsurfaceCost expected_cost(const Preparation<N>& with) const override;
 
-  /// As close, and with as many estimates, as the picture can show: pixels, samples of a pixel, and
+  /// Plans spacing and estimates as fine as the picture can show: pixels, samples of a pixel, and
   /// what of the surface is seen at all. Where the settings state the spacing, ask for refinement,
   /// or samples are kept for other cameras, the surface is sampled evenly.
   [[nodiscard]] LightSampling plan_sampling(const CameraRays& camera, const SeenSurface& seen,
@@ -86,7 +86,7 @@ class HierarchyTransport final : public SubsurfaceMethod<N> {
   ///
   /// @param pixel_size  what a pixel sees [mm]: samples need not be closer
   [[nodiscard]] float spacing_for(float pixel_size) const;
-  /// That of `max_points` samples all over the surface [mm].
+  /// Spacing of `max_points` samples all over the surface [mm].
   [[nodiscard]] float closest_spacing() const;
 
   /// Samples the light on the surface.
@@ -98,7 +98,7 @@ class HierarchyTransport final : public SubsurfaceMethod<N> {
                                                             int estimates, std::uint64_t seed,
                                                             const Progress& progress) const;
 
-  /// The same, in use when it returns, and what was done.
+  /// Samples the light and uses it from then on; returns the samples, if any were made.
   [[nodiscard]] std::optional<IrradianceCloud> sample_and_use(const Preparation<N>& with,
                                                               const LightSampling& sampling,
                                                               LightSamples& done);
@@ -120,7 +120,7 @@ class HierarchyTransport final : public SubsurfaceMethod<N> {
   [[nodiscard]] std::vector<typename InnerBlockers<N>::Patch> patches_inside(
       const std::vector<Mesh>& mesh, std::uint32_t material, float spacing) const;
   [[nodiscard]] bool is_inside(const Vec3f& position, const Vec3f& normal) const;
-  /// The same at a sample, over what an inverted color there makes of it.
+  /// Exitance at a sample, over what an inverted color there makes of it.
   [[nodiscard]] Bands exitance_without_color(const CloudPoint& point) const;
   [[nodiscard]] Bands effect_of_color(const Vec3f& color) const;
 

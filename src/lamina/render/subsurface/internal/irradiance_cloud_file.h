@@ -25,14 +25,14 @@ void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
                             const std::vector<LightRatioCloud>& ratios,
                             const LightFingerprint& made_for, const std::filesystem::path& file);
 
-/// What such a file holds, or why that is of no use: it may be made anew in its place.
+/// Content of a file of clouds, or why it is of no use: it may be made anew in its place.
 struct KeptClouds {
   std::vector<IrradianceCloud> clouds;
   std::vector<LightRatioCloud> ratios;
   std::string why_unusable;  ///< damaged, of another version, made for another scene; else empty
 };
 
-/// Whose light a file may have.
+/// Pictures whose light a file may have.
 enum class CloudOrigin {
   own,  ///< made for the scene, whole by its checksum
   any,  ///< of another program or scene: only its numbers must be such as surfaces have

@@ -22,7 +22,7 @@ class LayeredPoint {
  public:
   using Bands = BandValues<N>;
 
-  /// What is there: layers, their table of higher orders, and the color that scales what leaves.
+  /// Layers at a point, their table of higher orders, and the color that scales what leaves.
   struct Layers {
     FirstOrderStack<Bands> stack;
     std::optional<HigherOrderBands<N>> own;       ///< where parameters vary

@@ -6,7 +6,7 @@
 
 namespace lamina {
 
-/// What walks may take a translucent material as, where only what a curved surface makes of its
+/// Simplified layers for walks, where only the effect of a curved surface on its
 /// light is asked for: with the boundary of the first layer, smooth, and no others. Most of the
 /// noise of walks is spared, and what flat layers make of the difference is known.
 [[nodiscard]] Material quiet_layers(Material material);

@@ -32,12 +32,12 @@ class WalkLayers {
   WalkLayers(const RenderScene& scene, const BandConversion<N>& conversion, std::uint32_t material,
              bool is_quiet = false);
 
-  /// The same with isotropic scattering, by similarity: sigma_s and the extinction less sigma_s
+  /// Layers with isotropic scattering, by similarity: sigma_s and the extinction less sigma_s
   /// times the mean cosine. Shares what is large.
   [[nodiscard]] WalkLayers with_even_scattering() const;
 
   [[nodiscard]] const DepthLayers& by_depth() const { return *by_depth_; }
-  /// Of a layer without maps.
+  /// Medium of a layer without maps.
   [[nodiscard]] const WalkMedium<N>& medium(std::size_t layer) const {
     return layers_[layer].medium;
   }
@@ -66,8 +66,8 @@ class WalkLayers {
   [[nodiscard]] std::size_t sample_texel(const Place& place, float u) const {
     return by_depth_->grid().sample(place.uv, u);
   }
-  /// What a crossing from one layer to the next leaves over, in optical thickness: that of the
-  /// absorbing sheet there, aslant.
+  /// Optical thickness of the absorbing sheet between two layers, for a path that crosses it
+  /// aslant.
   [[nodiscard]] Bands crossing_thickness(std::size_t from, const Crossing& crossing,
                                          const Vec3f& direction) const;
   [[nodiscard]] int bands() const { return bands_; }
@@ -78,9 +78,10 @@ class WalkLayers {
   /// The upper boundary of a layer.
   [[nodiscard]] const Interface& boundary(std::size_t layer) const { return layers_[layer].top; }
   [[nodiscard]] float shortest_free_path() const;  ///< of all layers and bands [mm]
-  /// The same with isotropic scattering in place of anisotropic, by similarity, in the last layer.
+  /// Shortest free path with isotropic scattering in place of anisotropic, by similarity, in the
+  /// last layer.
   [[nodiscard]] float shortest_reduced_free_path() const;
-  /// Of the flux that enters flat layers.
+  /// Diffuse reflectance of the flat layers, of the flux that enters.
   [[nodiscard]] const Bands& diffuse_reflectance() const { return reflectance_; }
 
   /// Along a straight segment inside; huge where a boundary of layers refracts. Coefficients that
@@ -91,13 +92,14 @@ class WalkLayers {
   /// 1 without maps. Source: residual ratio tracking, [Novak2014] Eq. 12.
   [[nodiscard]] Bands sample_residual(const Ray& ray, const Place& start, float length,
                                       const Place& end, Random& random) const;
-  /// Of layers that lie flat above an exact place, about: as the texels beside it are.
+  /// Optical depth of layers that lie flat above an exact place, about: as the texels beside it
+  /// are.
   [[nodiscard]] Bands optical_depth(const Place& place) const;
   /// A lower bound, for the shortest way out in the band where it is least.
   [[nodiscard]] float least_optical_depth(const Place& place) const;
 
   [[nodiscard]] Bands phase(const Place& place, float one_minus_cos) const;
-  /// Of the phase function of a layer without maps of it; at a place.
+  /// Mean cosine of the phase function of a layer without maps of it; at a place.
   [[nodiscard]] const Bands& mean_cosine(std::size_t layer) const {
     return layers_[layer].mean_cosine;
   }

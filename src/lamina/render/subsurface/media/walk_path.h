@@ -49,7 +49,7 @@ struct WalkPath {
   /// little is as bright as lamps that shine straight through thin parts, and few paths meet them.
   [[nodiscard]] bool leaves_for_certain() const { return events < 2; }
 
-  /// It comes straight from its last event, but for refraction at boundaries of layers.
+  /// Whether light comes straight from its last event, but for refraction at boundaries of layers.
   bool comes_from_event = false;
 
   /// The last scattering event, before the path turned there.

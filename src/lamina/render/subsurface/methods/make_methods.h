@@ -14,7 +14,7 @@
 
 namespace lamina {
 
-/// What the methods of a picture are made of; all must outlive them.
+/// Inputs of the methods of a picture; all must outlive them.
 template <int N>
 struct MethodContext {
   const RenderScene& scene;
@@ -58,7 +58,7 @@ template <int N>
                                                            const RenderOptions& options,
                                                            const Progress& progress);
 
-/// Of the methods that lamina brings, in the order of subsurface_methods().
+/// Makers of all methods, in the order of subsurface_methods().
 [[nodiscard]] std::span<const SubsurfaceMethodMaker> subsurface_method_makers();
 
 }  // namespace lamina

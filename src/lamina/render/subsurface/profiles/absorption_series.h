@@ -10,7 +10,7 @@
 
 namespace lamina {
 
-/// The same layers with ever more absorption, and the factor on it at which a reflectance is met.
+/// Layers with ever more absorption, and the factor on it at which a reflectance is met.
 /// It reaches as far as reflectances are asked for.
 ///
 /// Factors are half an octave apart. Between them ln(-ln R) follows a cubic in the logarithm of the

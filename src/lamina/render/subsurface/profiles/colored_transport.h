@@ -15,7 +15,7 @@ namespace lamina {
 /// The mean of the image that varies a color, as its map has it; white without an image.
 [[nodiscard]] Vec3f mean_of_map(const TextureStore& textures, const ColorParameter& color);
 
-/// What fills the meshes of a translucent material for a method that follows light inside. Where
+/// Medium inside the meshes of a translucent material for a method that follows light inside. Where
 /// its color is inverted, the absorption is such that flat layers reflect the mean color.
 template <int N>
 [[nodiscard]] Material colored_medium(const RenderScene& scene, const BandConversion<N>& conversion,

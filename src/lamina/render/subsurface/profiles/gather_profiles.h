@@ -21,7 +21,7 @@ class GatherProfiles {
   /// @param blur  see make_gather_tables
   GatherProfiles(const MaterialProfiles<N>& profiles, float blur);
 
-  /// What does not change from one point of entry to the next.
+  /// Values of an exit that do not change from one point of entry to the next.
   struct Exit {
     Vec3f normal;  ///< unit length
     const GatherTable<N>* low = nullptr;

@@ -43,7 +43,7 @@ class MaterialProfiles {
   /// Fraction of the flux that entered that leaves again on the lit side.
   [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const;
 
-  /// Those between which a thickness lies.
+  /// Two slabs between which a thickness lies.
   struct Slabs {
     const ProfileTable<N>* low = nullptr;
     const ProfileTable<N>* high = nullptr;  ///< the thicker one
@@ -62,15 +62,15 @@ class MaterialProfiles {
   /// @param color      of the material there
   [[nodiscard]] Local profiles_for(float thickness, const Vec3f& color) const;
 
-  /// What radii around an exit point are drawn from: the profiles of both sides, by their light.
-  /// Where a map makes other places brighter, and profiles between wider than that of the exit, a
-  /// quarter of the samples is for the widest there can be.
+  /// Density that radii around an exit point are drawn from: the profiles of both sides, by their
+  /// light. Where a map makes other places brighter, and profiles between wider than that of the
+  /// exit, a quarter of the samples is for the widest there can be.
   [[nodiscard]] RadiusMixture<N> radius_mixture(const Local& local) const;
 
   [[nodiscard]] float thickness_at(const SurfacePoint& point) const;
   [[nodiscard]] Vec3f color_at(const SurfacePoint& point) const;
 
-  /// What a color that scales makes of the light that enters: the color over the mean of its map,
+  /// Factor of a color that scales on the light that enters: the color over the mean of its map,
   /// but not so much that more would leave than entered. 1 for other colors.
   [[nodiscard]] Bands entering_color(float thickness, const Vec3f& color) const;
   [[nodiscard]] Bands entering_color(const SurfacePoint& point) const;

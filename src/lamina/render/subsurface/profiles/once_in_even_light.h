@@ -21,7 +21,7 @@ class OnceInEvenLight {
   explicit OnceInEvenLight(std::span<const LayerStack> stacks);
 
   [[nodiscard]] BandValues<N> share(float cos_o) const;
-  /// Of all directions.
+  /// Largest share of all directions.
   [[nodiscard]] BandValues<N> largest_share() const;
 
  private:

@@ -22,7 +22,7 @@ namespace lamina {
                                                const std::optional<DiskCache>& cache,
                                                const Progress& progress = {});
 
-/// Of a material by layered diffusion, in a millisecond.
+/// Profile of a material by layered diffusion, in a millisecond.
 [[nodiscard]] Profile diffusion_profile(const Material& material);
 
 /// Why radiative transfer does not take the layers of a material, or thin slabs of them; absent if
@@ -50,7 +50,7 @@ class ProfileMaker {
   [[nodiscard]] Profile operator()(const Material& material,
                                    std::span<const LayerStack> bands) const;
 
-  /// What makes profiles of the same layers with any absorption, of which many are wanted: by
+  /// Function that makes profiles of given layers with any absorption, of which many are wanted: by
   /// radiative transfer, half-spaces of one layer come from tables, see half_space_table.h.
   using OfAnyAbsorption = std::function<Profile(std::span<const LayerStack> bands)>;
   [[nodiscard]] OfAnyAbsorption of_any_absorption(const Material& material,

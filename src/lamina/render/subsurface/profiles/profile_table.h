@@ -46,7 +46,7 @@ class ProfileTable {
   [[nodiscard]] float sample_radius(float u) const;
   [[nodiscard]] float density(float r) const { return density_in(ring(r), all_bands); }
 
-  /// Of which light a density of radii is.
+  /// Light that a density of radii is for.
   static constexpr int all_bands = -1, passing = -2;  ///< else what a band reflects
 
   /// The ring in which a radius lies, the same in all tables on one grid; `rings` beyond all.

@@ -46,7 +46,7 @@ class RadiusMixture {
     return grid.radius_in(low, std::clamp((u - before) / share, 0.0f, 1.0f));
   }
 
-  /// Of points in the plane around the exit [1/mm²].
+  /// Density of points in the plane around the exit [1/mm²].
   [[nodiscard]] float density(float r) const {
     if (count_ == 0) return 0.0f;
     const std::size_t ring = sources_[0].table->ring(r);

@@ -81,7 +81,7 @@ class RandomWalk final : public SubsurfaceMethod<N> {
                                          PixelSamples& samples) const override {
     return radiance(exit, light, samples, false);
   }
-  /// That of flat layers: for indirect light between objects.
+  /// Reflectance of flat layers at a point: for indirect light between objects.
   [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override;
 
  private:

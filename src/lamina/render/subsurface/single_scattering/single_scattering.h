@@ -89,7 +89,7 @@ class SingleScattering final : public SubsurfaceMethod<N> {
                                           float u_light, Vec2f u) const;
   [[nodiscard]] Bands phase_sampled_radiance(const Event& event, const LightGatherer<N>& light,
                                              Vec2f u, PixelSamples& samples) const;
-  /// What is left of light on its way from where it enters, of a length [mm] inside.
+  /// Transmittance of the way of light from where it enters, of a length [mm] inside.
   [[nodiscard]] Bands way_from(const SurfacePoint& entry, float length, float cos_inside) const;
   /// Optical thickness of the layers down to a depth [mm].
   [[nodiscard]] Bands optical_depth(const Extinction& extinction, float depth) const;

@@ -61,7 +61,7 @@ class TextureSpaceTransport final : public SubsurfaceMethod<N> {
   [[nodiscard]] Bands local_transmittance(const SurfacePoint& point) const override;
 
  private:
-  /// Of one side of the surface, [texel, border texels too].
+  /// Fields of one side of the surface, [texel, border texels too].
   struct SideFields {
     CellField<N> exitance, reflectance;
     CellField<N> transmittance;  ///< of light from the other side
@@ -93,7 +93,7 @@ class TextureSpaceTransport final : public SubsurfaceMethod<N> {
     return layers_[std::min(side, layers_.size() - 1)];
   }
 
-  /// What the operators of the layers are scaled to: radiative transfer, but for skin whose
+  /// Totals that the operators of the layers are scaled to: radiative transfer, but for skin whose
   /// constants are for diffusion.
   [[nodiscard]] OperatorTotals texture_space_totals() const;
 

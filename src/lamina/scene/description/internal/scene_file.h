@@ -40,10 +40,10 @@ class Images {
   /// The index of an image, which is loaded if it is new. All its numbers are finite.
   [[nodiscard]] std::size_t load(const JsonInput& file, ColorEncoding encoding);
 
-  /// The same of its alpha channel, or of the whole image if it has none.
+  /// Loads the alpha channel of an image, or the whole image if it has none.
   [[nodiscard]] std::size_t load_coverage(const JsonInput& file, ColorEncoding encoding);
 
-  /// The same of the channel of that name.
+  /// Loads the channel of that name.
   [[nodiscard]] std::size_t load_channel(const JsonInput& file, ColorEncoding encoding,
                                          const JsonInput& channel);
 
@@ -126,7 +126,7 @@ struct SceneMaterials {
 /// Whether a name fits a pattern, in which * stands for any letters and ? for one.
 [[nodiscard]] bool fits_pattern(std::string_view name, std::string_view pattern);
 
-/// What a light is called; empty: it has no name.
+/// Name of a light; empty: it has no name.
 [[nodiscard]] std::string decode_light_name(const JsonInput& value);
 
 [[nodiscard]] Light decode_light(const JsonInput& value, Images& images, double mm_per_unit);
@@ -134,7 +134,7 @@ struct SceneMaterials {
 /// Three numbers as a vector, times `scale`.
 [[nodiscard]] Vec3 decode_vector(const JsonInput& value, double scale = 1.0);
 
-/// The same; not all of them may be 0. Unit length.
+/// Decodes a direction; not all numbers may be 0. Unit length.
 [[nodiscard]] Vec3 decode_direction(const JsonInput& value);
 
 /// A number, or three for red, green and blue.

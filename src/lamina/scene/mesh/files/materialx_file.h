@@ -19,7 +19,7 @@ namespace lamina {
 [[nodiscard]] std::vector<FileMaterial> load_materialx(const std::filesystem::path& file,
                                                        MemoryBudget& memory);
 
-/// The same from the bytes of a file; `name` stands for it in messages.
+/// Parses the bytes of a file; `name` stands for it in messages.
 [[nodiscard]] std::vector<FileMaterial> parse_materialx(std::string_view text,
                                                         const std::string& name);
 

@@ -40,8 +40,9 @@ struct BandSetRating {
   double score = 0.0;  ///< root of their mean square
 };
 
-/// What uniform light over candidate bands tells of skin, each known to a share of its reflectance.
-/// Source: Fisher information [Donner2008] §6.1; the lower bound of Cramér and Rao [Kay1993] §3.
+/// Information of uniform light over candidate bands about skin, each known to a share of its
+/// reflectance. Source: Fisher information [Donner2008] §6.1; the lower bound of Cramér and Rao
+/// [Kay1993] §3.
 class BandInformation {
  public:
   /// @param numbers  of skin_fit_numbers that are to be told, by name; at least one
@@ -65,14 +66,15 @@ class BandInformation {
   /// @throws InvalidInput; Interrupted if progress asks to stop.
   [[nodiscard]] BandSetRating choose(int count, const Progress& progress = {}) const;
 
-  /// As many of the candidates as evenly spaced as they can be, from the first to the last.
+  /// Rating of as many of the candidates as evenly spaced as they can be, from the first to the
+  /// last.
   [[nodiscard]] BandSetRating evenly_spaced(int count) const;
 
   /// Reflectance of a skin over the candidates.
   [[nodiscard]] const std::vector<double>& reflectance(std::size_t skin) const {
     return reflectance_[skin];
   }
-  /// Its relative change by the coordinates of the numbers, [candidate][number].
+  /// Relative change of reflectance by the coordinates of the numbers, [candidate][number].
   [[nodiscard]] const DenseMatrix& derivatives(std::size_t skin) const {
     return derivatives_[skin];
   }

@@ -27,7 +27,7 @@ inline constexpr auto enum_names<ColorChartEdition> = std::to_array<EnumName<Col
 inline constexpr int chart_columns = 6, chart_rows = 4;
 inline constexpr std::size_t chart_patches = 24;
 
-/// What the maker says a patch is, for illuminant D50 and the 2 degree observer; from dark skin by
+/// Color of a patch by its maker, for illuminant D50 and the 2 degree observer; from dark skin by
 /// rows, with the white one first in the last.
 struct ChartColor {
   std::string_view name;
@@ -37,15 +37,15 @@ struct ChartColor {
 /// Source: [XRite2016]; the chart is that of [McCamy1976].
 [[nodiscard]] const std::array<ChartColor, chart_patches>& chart_colors(ColorChartEdition edition);
 
-/// The same as linear sRGB, where (1, 1, 1) is a perfect white: adapted from D50 to D65 (Bradford).
-/// That of cyan lies outside of [0, 1].
+/// Colors of a chart as linear sRGB, where (1, 1, 1) is a perfect white: adapted from D50 to D65
+/// (Bradford). That of cyan lies outside of [0, 1].
 [[nodiscard]] std::array<LinearSrgb, chart_patches> chart_srgb(ColorChartEdition edition);
 
 /// Centres of the corner patches in an image, in pixels from its upper left corner: dark skin,
 /// bluish green, black, white.
 using ChartCorners = std::array<Vec2, 4>;
 
-/// What an image shows in the middle of a patch.
+/// Reading of an image in the middle of a patch.
 struct PatchReading {
   std::array<double, 3> mean{}, deviation{};  ///< of pixels
   std::size_t pixels = 0, saturated = 0;

@@ -20,7 +20,7 @@ struct ColorSample {
 /// A matrix from a camera's colors to linear sRGB, with what is known of its errors.
 struct ColorCorrection {
   Matrix3 matrix{};
-  /// Of the entries of the matrix, row by row, [9][9]: by what is left of the fit.
+  /// Covariance of the entries of the matrix, row by row, [9][9]: by the residuals of the fit.
   DenseMatrix covariance;
   std::vector<double> errors;           ///< CIEDE2000 of each sample
   std::vector<double> left_out_errors;  ///< the same, each by a fit of all others: what to expect

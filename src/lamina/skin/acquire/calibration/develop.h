@@ -24,7 +24,7 @@ struct Photographs {
 
 /// Numbers are one for all channels, or one for each.
 struct DevelopOptions {
-  /// Of the white reference, in (0, 2]: .99 of pressed PTFE, .9 of a white card.
+  /// Reflectance of the white reference, in (0, 2]: .99 of pressed PTFE, .9 of a white card.
   std::vector<double> white_reflectance = {1.0};
   /// Exposure of the white image over that of the raw one: time times ISO over the f-number's
   /// square; > 0.

@@ -10,7 +10,7 @@
 
 namespace lamina {
 
-/// What an image shows of a card of one color.
+/// Reading of an image on a card of one color.
 struct CardReading {
   std::vector<double> mean;       ///< [channel]
   std::vector<double> deviation;  ///< [channel] standard deviation of its pixels

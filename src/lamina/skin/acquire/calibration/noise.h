@@ -39,8 +39,8 @@ struct SensorNoise {
 [[nodiscard]] std::vector<SensorNoise> estimate_noise(const Image& image, const PixelMask& mask,
                                                       const std::vector<double>& black = {0.0});
 
-/// The same from two images of one scene, which has not moved, by their difference: whatever the
-/// scene is like. A change of brightness between both is no noise.
+/// Estimates noise from two images of one scene, which has not moved, by their difference: whatever
+/// the scene is like. A change of brightness between both is no noise.
 [[nodiscard]] std::vector<SensorNoise> estimate_noise(const Image& first, const Image& second,
                                                       const PixelMask& mask,
                                                       const std::vector<double>& black = {0.0});

@@ -33,7 +33,7 @@ inline constexpr auto enum_names<PixelFault> =
                                          {"dark_white", PixelFault::dark_white},
                                          {"unseen", PixelFault::unseen}});
 
-/// Which pixels of an image are used.
+/// Pixels of an image that are used.
 struct PixelMask {
   int width = 0, height = 0;
   std::vector<std::uint8_t> faults;  ///< [y][x] sum of PixelFault; 0: used

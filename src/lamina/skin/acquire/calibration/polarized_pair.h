@@ -22,7 +22,7 @@ struct PolarizedPair {
   Image specular_deviation;  ///< its standard deviation
 };
 
-/// What polarized light tells apart: light that the surface mirrors keeps its polarization, that
+/// Separates light by its polarization: light that the surface mirrors keeps its polarization, that
 /// from below has lost it, and half of it passes either way. With a leak l, and both photographs
 /// relative to all the light that a white reference returns,
 ///

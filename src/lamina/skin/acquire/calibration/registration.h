@@ -29,7 +29,7 @@ struct RegistrationOptions {
   bool with_scale_and_rotation = true;
   double most_shift =
       0.0;  ///< [pixel] in x and in y, 0: a twentieth of the longer side, at least 8
-  /// What a good registration has: see Registration.
+  /// Limits of a good registration: see Registration.
   double largest_error = 0.25, least_agreement = 0.15;
 };
 

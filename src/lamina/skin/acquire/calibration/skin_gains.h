@@ -20,7 +20,7 @@ struct SkinColors {
   DenseMatrix covariance;    ///< [channel][channel]
 };
 
-/// Those of a population as a sensor sees them: of skins drawn at random, with what the model
+/// Colors of a population as a sensor sees them: of skins drawn at random, with what the model
 /// misses of measured skin.
 /// @param sensor  weights of the spectrum in a channel, [channel][wavelength of the table]; those
 /// of
@@ -39,7 +39,7 @@ struct SkinColors {
 /// @throws InvalidInput if fewer than 16 pixels count.
 [[nodiscard]] std::vector<double> median_log_color(const Image& image, const PixelMask& skin);
 
-/// What is known before, as standard deviations of logarithms of gains.
+/// Prior of gains, as standard deviations of their logarithms.
 struct SkinGainPrior {
   double level = 0.7;  ///< of what all channels have in common: exposure
   double color = 0.3;  ///< of each channel's own: white balance

@@ -9,7 +9,7 @@
 
 namespace lamina::acquire_detail {
 
-/// What one channel of a photograph sees: weights of a spectrum at wavelengths [nm].
+/// Sensitivity of one channel of a photograph: weights of a spectrum at wavelengths [nm].
 using BandWeightsOverWavelengths = std::vector<std::array<double, 2>>;  ///< [][nm, weight], sum 1
 
 struct DecodedSensor {

@@ -14,13 +14,13 @@
 
 namespace lamina {
 
-/// What skin is taken to be that photographs are inverted to.
+/// Model of skin that photographs are inverted to.
 struct InversionModel {
-  /// What varies over the patch: some of skin_fit_numbers, but for scattering_scale.
+  /// Numbers that vary over the patch: some of skin_fit_numbers, but for scattering_scale.
   std::vector<std::string> numbers = {"melanin", "melanin_blend", "hemoglobin_epidermis",
                                       "hemoglobin_dermis", "carotene"};
   SkinParameters skin;  ///< gives all else; its dermis is infinite
-  /// What is known of the numbers before, of each texel; absent: next to nothing
+  /// Prior of the numbers of each texel; absent: a wide one
   std::optional<SkinPopulation> population = {};
   /// False: for InversionMethod::per_pixel alone, and light that does not travel sideways.
   bool has_transport = true;
@@ -33,7 +33,7 @@ struct InversionModel {
 /// about that of the reference skin: a factor of 20.
 inline constexpr double wide_deviation = 3.0;
 
-/// What an inversion works out once, for all tiles of a capture.
+/// Tables of an inversion that all tiles of a capture share.
 struct InversionTables {
   InversionModel model;
   std::vector<SkinFitNumber> numbers;  ///< those of the model
@@ -43,10 +43,10 @@ struct InversionTables {
   /// Coordinates that are typical of the capture, and the prior's: its mean and inverse covariance.
   std::vector<double> reference, prior_mean;
   DenseMatrix prior_precision;
-  /// What the population says that the model misses, [wavelength]: reflectance, and its deviation.
+  /// Misses of the model in the population, [wavelength]: reflectance, and its deviation.
   std::vector<double> missed, missed_deviation;
-  /// Of the transport, [wavelength]; empty without it: tables, what of the arriving light enters,
-  /// and what the sheet between the layers absorbs per crossing.
+  /// Tables of the transport, [wavelength]; empty without it: tables, what of the arriving light
+  /// enters, and what the sheet between the layers absorbs per crossing.
   std::vector<StackTables> stacks;
   std::vector<double> entering, sheet;
 };

@@ -15,7 +15,8 @@ namespace lamina {
 struct KeptTiles {
   std::filesystem::path folder;
   std::uint64_t key = 0;  ///< of all that the tiles follow from
-  /// Which of them are to be inverted, apart from the first, whose smoothness all need; absent: all
+  /// Shard of the tiles to be inverted, apart from the first, whose smoothness all need; absent:
+  /// all
   std::optional<Shard> shard = {};
   bool only_first = false;
 };

@@ -16,7 +16,7 @@ struct PatchImage {
   /// Standard deviation of each texel, > 0; infinite: the texel is not known. Less than
   /// `least_relative_deviation` of its light counts as that
   Plane deviation;
-  /// What the image sees of the light, [wavelength]: filter times lamp times sensor, of sum 1.
+  /// Weights of the light in the image, [wavelength]: filter times lamp times sensor, of sum 1.
   std::vector<double> sensor;
   std::size_t light = 0;  ///< which pattern lights it
 };
@@ -43,7 +43,7 @@ struct TexelRectangle {
 ///         below 0, weights that do not sum to 1, no texel that is lit and known.
 void check_capture(const PatchCapture& capture);
 
-/// The same for a part of a larger capture, which may have no texel that is lit and known.
+/// Checks a part of a larger capture, which may have no texel that is lit and known.
 ///
 /// @param left,top  where the part lies in the larger one, for messages
 /// @return          how many texels of all images are lit and known

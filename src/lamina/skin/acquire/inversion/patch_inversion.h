@@ -43,8 +43,8 @@ struct InversionOptions {
   double robust_limit = 0.0;
   double model_error =
       0.0;  ///< of the forward model, relative to what is measured: joins the noise
-  /// What standard deviations add for errors of the level of an image that all its texels share,
-  /// relative: of the transport, .0001 to .0026 with three bounces between layers, and of white
+  /// Relative error of the level of an image, shared by all its texels, which joins standard
+  /// deviations: of the transport, .0001 to .0026 with three bounces between layers, and of white
   double level_error = 0.001;
   /// Factors of the stated errors of the images, [image]; empty: those that residuals ask for where
   /// standard deviations are computed, by which maps are solved anew; else 1
@@ -101,9 +101,9 @@ struct InversionResult {
   InversionStop stop = InversionStop::converged;
 };
 
-/// What skin is at each texel of a patch, from photographs of it, with light that travels sideways
-/// in the skin: the maps whose light by DifferentiableTransport meets the photographs, smooth as
-/// far as these allow, by least squares
+/// Inverts photographs of a patch to the numbers of skin at each texel, with light that travels
+/// sideways in the skin: the maps whose light by DifferentiableTransport meets the photographs,
+/// smooth as far as these allow, by least squares
 ///
 ///     1/2 sum of residual² / deviation²
 ///     + 1/2 sum over numbers of smoothness * (derivatives of the map)²

@@ -84,7 +84,7 @@ void put_tile(int width, int height, const PatchTile& tile, const InversionResul
     const std::function<void(const PatchTile&, const InversionResult&)>& take,
     const Progress& progress = {});
 
-/// The same of a capture that is held, with its maps.
+/// Inverts a capture that is held, with its maps.
 /// @param options  a start is of the size of the capture
 [[nodiscard]] InversionResult invert_tiles(const PatchCapture& capture,
                                            const InversionTables& tables,

@@ -30,7 +30,7 @@ struct LeafNumber {
 /// one standard deviation. Source: the data of [Feret2017].
 [[nodiscard]] std::vector<LeafNumber> leaf_numbers();
 
-/// What the light does to a pixel of a leaf: the light on it over that on the white reference,
+/// Parameter of the light on a pixel of a leaf: the light on it over that on the white reference,
 /// which lay flat, by its tilt and by shadows.
 [[nodiscard]] FitParameter leaf_illumination();
 
@@ -60,7 +60,7 @@ struct LeafPixelOptions {
   int edge = 1;  ///< so many pixels about the background are left out, >= 0
 };
 
-/// What a pixel is.
+/// Kind of a pixel.
 enum class LeafPixelKind : std::uint8_t {
   leaf,
   unused,      ///< by the mask, or not finite in some band

@@ -13,7 +13,7 @@ struct IadFile {
   int spheres = 0;                 ///< 0: the readings are totals; 1: of one sphere at a time
   double beam_diameter = 0.0;      ///< [mm]
   IntegratingSphere above, below;  ///< method and baffle are not in the file
-  /// As CSV with the line numbers of the file: wavelength_nm if it has some, reflectance,
+  /// Table as CSV with the line numbers of the file: wavelength_nm if it has some, reflectance,
   /// transmittance, unscattered_transmittance, and for each row that has its own r_w, t_w, r_std.
   std::string table;
 };

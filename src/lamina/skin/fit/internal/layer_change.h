@@ -18,7 +18,7 @@ struct LayerChange {
 [[nodiscard]] std::optional<std::vector<LayerChange>> change_between(const LayerStack& a,
                                                                      const LayerStack& b);
 
-/// Of a total, by such a change.
+/// Derivative of a total along such a change.
 [[nodiscard]] double derivative_along(const std::vector<LayerDerivatives>& derivatives,
                                       const std::vector<LayerChange>& change);
 

@@ -9,7 +9,7 @@
 
 namespace lamina::fit_detail {
 
-/// What numbers of an entry are times to be fractions or 1/mm².
+/// Unit of an entry's numbers: their factor to fractions or 1/mm².
 struct MeasuredUnit {
   std::string_view name;
   double factor = 1.0;

@@ -41,7 +41,7 @@ class MeasuredTable {
   /// The file of iad that holds the rows, or none.
   [[nodiscard]] const std::optional<IadFile>& iad() const { return iad_; }
 
-  /// What columns a file has that were not taken, and how to take them; empty without a file.
+  /// Columns of a file that were not taken, and how to take them; empty without a file.
   [[nodiscard]] std::string other_columns(std::string_view wanted) const;
 
   /// Throws InvalidInput that names the place and the column.

@@ -43,7 +43,7 @@ class MeasurementModel {
   /// By quick solutions times the correction; not finite where the material cannot be so.
   [[nodiscard]] std::vector<double> predict(std::span<const double> values) const;
 
-  /// Of the same, [point][unknown]: of what layers are made of exactly by the solver, times central
+  /// Derivatives, [point][unknown]: of what layers are made of exactly by the solver, times central
   /// differences of that by the unknowns; central differences of all where indices or boundaries
   /// change, and of profiles.
   [[nodiscard]] DenseMatrix derivatives(std::span<const double> values) const;
@@ -54,7 +54,7 @@ class MeasurementModel {
   /// Factors of measured curves that nobody knows, which take as many numbers.
   [[nodiscard]] std::size_t unknown_factors() const;
 
-  /// What the noise of photons adds to the errors of data, [point][independent part of it]; no
+  /// Noise of photons, which adds to the errors of data, [point][independent part of it]; no
   /// columns if there is none.
   [[nodiscard]] DenseMatrix photon_noise(std::span<const double> values) const;
   [[nodiscard]] double photons() const;  ///< most that a curve was corrected by

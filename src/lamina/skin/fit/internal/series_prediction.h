@@ -10,7 +10,7 @@
 
 namespace lamina::fit_detail {
 
-/// What points of one band of a series should be.
+/// Prediction of the points of one band of a series.
 struct SeriesPrediction {
   std::vector<double> values;                              ///< [point]
   std::vector<std::vector<LayerDerivatives>> derivatives;  ///< [point][layer], if asked for

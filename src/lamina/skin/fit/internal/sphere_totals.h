@@ -10,7 +10,8 @@
 
 namespace lamina::fit_detail {
 
-/// What ports of spheres do not collect: of the beam, and of the diffuse light of the spheres.
+/// Totals that ports of spheres do not collect: of the beam, and of the diffuse light of the
+/// spheres.
 struct LostTotals {
   double reflected = 0.0, transmitted = 0.0;
   double diffuse_above = 0.0, diffuse_below = 0.0;
@@ -21,7 +22,7 @@ struct LostTotals {
 [[nodiscard]] LostTotals lost_totals(const LayerStack& stack, const MeasuredSeries& series,
                                      std::span<const MeasuredPoint> points);
 
-/// What the sphere of a point reads.
+/// Reading of the sphere of a point.
 struct SphereTotal {
   double value = 0.0;
   std::vector<LayerDerivatives> derivatives;  ///< [layer], if the totals have them

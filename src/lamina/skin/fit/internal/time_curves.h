@@ -23,9 +23,10 @@ struct TimeCurve {
   [[nodiscard]] double end() const;  ///< [ps]
 };
 
-/// What photons say of diffusion around one radius: the logarithm of light over that of diffusion,
-/// as a polynomial in the time that light needs to get there at least over the time of flight; and
-/// how well it is known, which is never worse than what is known of diffusion beforehand.
+/// Correction of diffusion by photons around one radius: the logarithm of light over that of
+/// diffusion, as a polynomial in the time that light needs to get there at least over the time of
+/// flight; and how well it is known, which is never worse than what is known of diffusion
+/// beforehand.
 struct PhotonCorrection {
   static constexpr std::size_t terms = 6;
   std::array<double, terms> power = {};                     ///< of 1, u ... u⁵

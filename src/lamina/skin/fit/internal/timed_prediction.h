@@ -15,7 +15,7 @@
 
 namespace lamina::fit_detail {
 
-/// Of a series in all its bands, factors that nobody knows.
+/// Number of unknown factors of a series in all its bands.
 [[nodiscard]] std::size_t count_unknown_factors(const MeasuredSeries& series);
 
 /// The points of a series over time or frequency in one band, as a function of the layers:

@@ -14,7 +14,7 @@ enum class FitScale {
   logit,        ///< ln((value - low) / (high - value)): for fractions
 };
 
-/// What is known before the measurement: a Gaussian in the coordinate of the scale.
+/// Prior of a parameter: a Gaussian in the coordinate of the scale.
 struct FitPrior {
   double mean = 0.0;                ///< of the value; the median on the other scales
   double standard_deviation = 0.0;  ///< of the coordinate, > 0: 0.3 is 30 % on a logarithmic scale
@@ -28,7 +28,7 @@ struct FitParameter {
   double high = std::numeric_limits<double>::infinity();
   FitScale scale = FitScale::linear;
   std::optional<FitPrior> prior = {};
-  /// Of the logarithmic scale, >= 0: what is hardly more than none. Values far below count
+  /// Offset of the logarithmic scale, >= 0: what is hardly more than none. Values far below count
   /// linearly, so that none is in reach.
   double offset = 0.0;
 };

@@ -13,7 +13,7 @@
 
 namespace lamina {
 
-/// What was measured.
+/// Measured data.
 struct FitData {
   std::vector<double> measured;
   std::vector<double> standard_deviation = {};  ///< of each, > 0; or:
@@ -23,12 +23,12 @@ struct FitData {
   bool has_known_errors = true;
 };
 
-/// What is to meet it.
+/// Model that is to meet the data.
 struct FitModel {
-  /// What parameters of these values predict, as many numbers as were measured. A number that is
+  /// Prediction of parameters of these values, as many numbers as were measured. A number that is
   /// not finite means that there is no prediction; the fit then takes a shorter step.
   std::function<std::vector<double>(std::span<const double> values)> predict;
-  /// Its derivatives by the values, [prediction][parameter]; empty: by central differences.
+  /// Derivatives by the values, [prediction][parameter]; empty: by central differences.
   std::function<DenseMatrix(std::span<const double> values)> derivatives = {};
 };
 
@@ -47,7 +47,7 @@ struct FitOptions {
   double step = 1e-4;  ///< of central differences, in coordinates (linear: also times the value)
 };
 
-/// What a fit says of one parameter.
+/// Result of a fit for one parameter.
 struct FittedParameter {
   double value = 0.0;
   double low_error = 0.0, high_error = 0.0;  ///< from the value to one standard deviation

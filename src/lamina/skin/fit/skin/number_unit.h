@@ -5,7 +5,7 @@
 
 namespace lamina {
 
-/// What the values of a number of skin are, and what curve of absorption they count by; empty for
+/// Unit of the values of a number of skin, and the curve of absorption they count by; empty for
 /// a name that is none of skin_fit_numbers.
 [[nodiscard]] std::string unit_of_number(const std::string& name);
 

@@ -11,7 +11,7 @@
 
 namespace lamina {
 
-/// What was measured of a uniform place on skin: a spectrum, or a few numbers that a sensor makes
+/// Measurement of a uniform place on skin: a spectrum, or a few numbers that a sensor makes
 /// of it, such as a color.
 struct SkinMeasurement {
   std::vector<double> measured;            ///< fractions of the incident light

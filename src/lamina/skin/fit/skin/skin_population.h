@@ -21,9 +21,9 @@ struct SkinFitNumber {
   std::vector<double SkinParameters::*> values;
 };
 
-/// What the reflectance of a uniform place can tell of skin: melanin, its blend, blood of epidermis
-/// and dermis, carotene, saturation, and the scales of scattering and of the baseline. Starts are
-/// those of `skin`, ranges those of skin_fit_range.
+/// Numbers that the reflectance of a uniform place can tell of skin: melanin, its blend, blood of
+/// epidermis and dermis, carotene, saturation, and the scales of scattering and of the baseline.
+/// Starts are those of `skin`, ranges those of skin_fit_range.
 ///
 /// The thickness of the epidermis is not among them: with all absorption and scattering divided by
 /// it, uniform skin looks the same.
@@ -34,19 +34,19 @@ struct SkinFitNumber {
                                           std::span<const SkinFitNumber> numbers,
                                           std::span<const double> values);
 
-/// What is known of people's skin before it is measured.
+/// Prior of people's skin before it is measured.
 struct SkinPopulation {
   std::vector<std::string> names;  ///< of numbers, as in skin_fit_numbers
   std::vector<FitPrior> priors;    ///< [number]
   DenseMatrix correlation;         ///< of the coordinates, [number][number]
-  /// What the model misses: measured less fitted, at ascending wavelengths [nm]: its mean, and
+  /// Misses of the model: measured less fitted, at ascending wavelengths [nm]: its mean, and
   /// independent components of its scatter, each as large as its standard deviation.
   std::vector<double> wavelengths, missed;
   DenseMatrix missed_components;  ///< [component][wavelength]
 };
 
-/// That of 100 inner forearms of all skin types, 400 to 700 nm, 8 degrees against hemisphere; made
-/// by tools/fit/skin_spectra. Source: [Cooksey2017]; the method: [KennedyOHagan2001].
+/// Population of 100 inner forearms of all skin types, 400 to 700 nm, 8 degrees against hemisphere;
+/// made by tools/fit/skin_spectra. Source: [Cooksey2017]; the method: [KennedyOHagan2001].
 [[nodiscard]] const SkinPopulation& forearm_population();
 
 /// Reads a file of a population; docs/fit.md has the format.
@@ -54,7 +54,7 @@ struct SkinPopulation {
 [[nodiscard]] SkinPopulation load_skin_population(const std::filesystem::path& file,
                                                   MemoryBudget memory = {});
 
-/// That of the name "forearms", or else of the file of that path.
+/// Finds the population of the name "forearms", or else of the file of that path.
 /// @throws as load_skin_population.
 [[nodiscard]] SkinPopulation find_skin_population(const std::string& name_or_path,
                                                   MemoryBudget memory = {});

@@ -16,7 +16,7 @@ struct SlabInversionOptions {
   int max_nodes = 96;      ///< of the direction grid's first segment; where refining stops
 };
 
-/// What the sample is made of. What was not measured is as it was given, and has no error.
+/// Inverted sample. Values that were not measured are as they were given, and have no error.
 struct SlabInversion {
   FittedParameter sigma_a;        ///< [1/mm]
   FittedParameter sigma_s_prime;  ///< [1/mm] fitted if the transmittance is known

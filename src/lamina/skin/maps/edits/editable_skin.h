@@ -45,7 +45,7 @@ struct EditableSkin {
 /// A file that loads the maps, in one folder with them.
 [[nodiscard]] JsonOutput maps_file_json(const EditableSkin& skin, const MapsFile& file);
 
-/// What is put in a folder beside that file: all maps and standard deviations.
+/// Image in a folder beside that file: all maps and standard deviations.
 struct NamedImage {
   std::string file;  ///< "melanin.exr"
   const Image* image;

@@ -14,7 +14,7 @@
 
 namespace lamina {
 
-/// What an edit does. A is its amount, σ its size: the spread of a Gaussian blur.
+/// Kind of an edit. A is its amount, σ its size: the spread of a Gaussian blur.
 enum class SkinEditKind {
   tan,         ///< (1 + A) times the melanin; what is added has tanned_blend of eumelanin
   flush,       ///< (1 + A) times the blood; what is added is arterial, of flush_saturation
@@ -75,7 +75,7 @@ struct SkinEdit {
   Image image = {};             ///< of transfer: one channel, in the number's unit
 };
 
-/// Which amounts an edit takes, and over which size it looks for detail.
+/// Range of amounts that an edit takes, and the size over which it looks for detail.
 struct SkinEditRange {
   double low = 0.0, high = 0.0;
   double size = 0.0;        ///< [mm] unless given; 0: it has none

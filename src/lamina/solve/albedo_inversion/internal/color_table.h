@@ -26,7 +26,8 @@ inline constexpr std::size_t s_orders = 14, g_orders = 11, ior_orders = 14, roug
 /// Coordinates in [-1, 1] over which the table is smooth.
 [[nodiscard]] inline double s_coordinate(double s) { return 2.0 * s - 1.0; }
 [[nodiscard]] inline double g_coordinate(double g) { return (g + 0.3) / 0.625 - 1.0; }
-/// Of the cosine of the critical angle, over which reflection is smooth down to matched indices.
+/// Coordinate of the index: the cosine of the critical angle, over which reflection is smooth down
+/// to matched indices.
 [[nodiscard]] inline double ior_coordinate(double ior) {
   const double highest = std::sqrt(1.0 - 1.0 / (1.6 * 1.6));
   return 2.0 * std::sqrt(1.0 - 1.0 / (ior * ior)) / highest - 1.0;
@@ -38,13 +39,13 @@ inline constexpr std::size_t s_orders = 14, g_orders = 11, ior_orders = 14, roug
 /// Coefficients are whole multiples of these.
 inline constexpr double color_table_unit = 2e-6, first_reflection_unit = 1e-8;
 
-/// As it is shipped, written by tools/fit/half_space_colors. For beckmann and ggx, for beams and
+/// Rows of the table, written by tools/fit/half_space_colors. For beckmann and ggx, for beams and
 /// diffuse light, for each order of roughness, ior and g: how many orders of s follow, then these.
 extern const std::span<const std::int32_t> color_table_rows;
 /// [distribution][light][order of roughness][order of ior]
 extern const std::span<const std::int32_t> first_reflection_rows;
 
-/// Of one surface and g.
+/// Coefficients of one surface and g.
 struct ColorCoefficients {
   std::array<double, s_orders> q = {};  ///< [order of s]
   double first_reflection = 0.0;

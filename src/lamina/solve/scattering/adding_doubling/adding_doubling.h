@@ -34,19 +34,19 @@ struct AddingDoublingOptions {
                                                    Incidence incidence = {},
                                                    const AddingDoublingOptions& options = {});
 
-/// The same for several directions at once: one solution serves them all.
+/// Totals of several directions at once: one solution serves them all.
 [[nodiscard]] std::vector<AddingDoublingTotals> adding_doubling_by_angle(
     const LayerStack& stack, std::span<const Incidence> incidences,
     const AddingDoublingOptions& options = {});
 
-/// The same on one grid of directions, which is not refined: a smooth function of what the layers
+/// Totals on one grid of directions, which is not refined: a smooth function of what the layers
 /// are made of, as fits need it, where refined ones jump from grid to grid. No error is estimated.
 ///
 /// @param nodes  of the grid's first segment, >= 4.
 [[nodiscard]] AddingDoublingTotals adding_doubling_on_grid(const LayerStack& stack,
                                                            Incidence incidence, int nodes);
 
-/// The same for all bands of a material, in parallel.
+/// Totals of all bands of a material, in parallel.
 [[nodiscard]] std::vector<AddingDoublingTotals> adding_doubling(
     std::span<const LayerStack> bands, Incidence incidence = {},
     const AddingDoublingOptions& options = {});

@@ -54,7 +54,7 @@ struct StackBsdf {
                                    std::span<const double> theta_o, std::span<const double> phi_o,
                                    const StackBsdfOptions& options = {});
 
-/// The same for all bands of a material, in parallel. Bands whose indices and roughnesses are equal
+/// BSDFs of all bands of a material, in parallel. Bands whose indices and roughnesses are equal
 /// share the operators of their rough boundaries.
 [[nodiscard]] std::vector<StackBsdf> stack_bsdf(std::span<const LayerStack> bands, double theta_i,
                                                 std::span<const double> theta_o,

@@ -54,7 +54,7 @@ struct DifferentiatedSlab {
   Matrix reflection, transmission;
   std::vector<Matrix> reflection_derivatives, transmission_derivatives;  ///< [parameter]
 };
-/// The same doubling differentiated, for some two times the work for each parameter and the slab.
+/// Doubling with derivatives, for some two times the work for each parameter and the slab.
 [[nodiscard]] DifferentiatedSlab double_slab_with_derivatives(
     const SlabProblem& problem, std::span<const SlabProblemDerivative> derivatives);
 

@@ -23,7 +23,7 @@ void require_incidence(const Incidence& incidence);
 [[nodiscard]] std::vector<double> incident_state(const GridStack& stack,
                                                  std::optional<std::size_t> beam_number);
 
-/// What becomes of such light. Nodes and errors are left to the caller.
+/// Totals of such light. Nodes and errors are left to the caller.
 [[nodiscard]] AddingDoublingTotals totals_of(const GridStack& on_grid,
                                              const StackOperators& operators,
                                              std::vector<double> down);

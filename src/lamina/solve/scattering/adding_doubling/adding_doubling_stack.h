@@ -38,7 +38,7 @@ struct GridStack {
 [[nodiscard]] double node_fresnel(const DirectionGrid& grid, std::size_t node, double ior_a,
                                   double ior_b);
 
-/// What a smooth interface sends back to the side of the first index.
+/// Reflection of a smooth interface to the side of the first index.
 [[nodiscard]] Matrix mirror(const DirectionGrid& grid, double ior, double ior_beyond);
 
 /// An interface or a layer lying on all that is below it.
@@ -48,7 +48,7 @@ struct Crossing {
   Matrix returns = {};      ///< flux down behind it per flux that first gets there, if smooth
 };
 
-/// The same with the reflection of the whole that it makes.
+/// Covered layers, with the reflection of the whole that they make.
 struct Covered {
   Crossing crossing;
   Matrix reflection;
@@ -85,21 +85,21 @@ using RoughBoundaries = std::vector<RoughBoundary>;
 [[nodiscard]] StackOperators stack_operators(const GridStack& stack, int m,
                                              const RoughBoundaries& rough);
 
-/// The same of given layers, [layer].
+/// Operators of given layers, [layer].
 [[nodiscard]] StackOperators stack_operators(const GridStack& stack, int m,
                                              const RoughBoundaries& rough,
                                              std::span<const LayerOperators> layers);
 
-/// The same for a stack that is used once.
+/// Operators of a stack that is used once.
 [[nodiscard]] StackOperators stack_operators(const GridStack& stack, int m);
 
 /// @throws InvalidInput naming the layer whose boundary is rough; `method` names who refuses.
 void require_smooth(const LayerStack& stack, const std::string& method);
 
-/// The same stack seen from below: above and below exchanged. Not for half-spaces.
+/// Stack seen from below: above and below exchanged. Not for half-spaces.
 [[nodiscard]] GridStack turned_over(const GridStack& stack);
 
-/// Which extinction weakens unscattered light.
+/// Extinction that weakens unscattered light.
 enum class Unscattered {
   by_medium,  ///< the true one
   scaled,     ///< that of the operators, for which a forward peak is no scattering

@@ -5,7 +5,7 @@
 
 namespace lamina {
 
-/// What adding-doubling finds, with how far it can be trusted.
+/// Totals by adding-doubling, with how far they can be trusted.
 struct AddingDoublingTotals {
   SlabTotals totals;
   double unscattered_transmittance = 0.0;  ///< part of totals.transmittance, with all reflections

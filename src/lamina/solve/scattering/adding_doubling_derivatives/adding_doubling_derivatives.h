@@ -35,7 +35,7 @@ struct AddingDoublingDerivatives {
 [[nodiscard]] AddingDoublingDerivatives adding_doubling_derivatives(
     const LayerStack& stack, Incidence incidence = {}, const AddingDoublingOptions& options = {});
 
-/// The same on one grid of directions, which is not refined: totals are those of
+/// Derivatives on one grid of directions, which is not refined: totals are those of
 /// adding_doubling_on_grid, and the derivatives are theirs.
 ///
 /// @param nodes  of the grid's first segment, >= 4.
@@ -43,7 +43,7 @@ struct AddingDoublingDerivatives {
                                                                             Incidence incidence,
                                                                             int nodes);
 
-/// The same for several directions at once, [incidence].
+/// Derivatives for several directions at once, [incidence].
 [[nodiscard]] std::vector<AddingDoublingDerivatives> adding_doubling_derivatives_by_angle(
     const LayerStack& stack, std::span<const Incidence> incidences,
     const AddingDoublingOptions& options = {});

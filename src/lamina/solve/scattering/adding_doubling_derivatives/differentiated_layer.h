@@ -19,7 +19,7 @@ struct DifferentiatedLayer {
 [[nodiscard]] LayerOperators by_thickness(const LayerOperators& layer, const Matrix& A,
                                           const Matrix& B);
 
-/// Of azimuthal mode 0, the derivatives of what `layer_operators` does on this grid: what delta-M
+/// Differentiates, for azimuthal mode 0, what `layer_operators` does on this grid: what delta-M
 /// takes out and what goes straight on for the sake of energy change with g, the thickness of the
 /// thin start with that of the layer. In a layer that does not scatter, `by_sigma_s` is that of its
 /// first scattering.

@@ -14,7 +14,7 @@ struct GridLayerDerivative {
   double backward = 0.0;           ///< of the scattering straight back
 };
 
-/// What delta-M takes out, and what goes straight on for the sake of energy, change with g.
+/// Changes with g of what delta-M takes out, and of what goes straight on for the sake of energy.
 struct GridLayerDerivatives {
   GridLayerDerivative by_sigma_a, by_sigma_s, by_g;
 };

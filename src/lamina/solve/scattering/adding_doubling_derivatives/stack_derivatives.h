@@ -28,18 +28,18 @@ struct CrossedStack {
   std::span<const LightState> signs = {};
 };
 
-/// Of light that arrives from above.
+/// Light fields inside, of light that arrives from above.
 [[nodiscard]] LightFields fields_of(const CrossedStack& stack, LightState down);
 
-/// What light that starts behind a crossing adds to what leaves above.
+/// Gains of light that starts behind a crossing, for what leaves above.
 ///
 /// @param weights  of the states above, which have sign +1 where it is not 0.
 [[nodiscard]] LightFields gains_above(const CrossedStack& stack, const LightState& weights);
 
-/// The same of what leaves below, whose states have these weights.
+/// Gains for what leaves below, whose states have these weights.
 [[nodiscard]] LightFields gains_below(const CrossedStack& stack, const LightState& weights);
 
-/// Of a total, from the light inside and what it gains by it.
+/// Derivatives of a total, from the light inside and what it gains by it.
 [[nodiscard]] std::vector<LayerDerivatives> derivatives_of(
     std::span<const DifferentiatedLayer> layers, const LightFields& light,
     const LightFields& gains);

@@ -42,7 +42,7 @@ template <class Model>
   return {1.0 - u * u, value, std::abs(value) < 1e-12};
 }
 
-/// The same for the dipole, a half-space of index `ior_inside` under `ior_outside`.
+/// Inverts the albedo by the dipole, a half-space of index `ior_inside` under `ior_outside`.
 ///
 /// Source: the inverse of [Jensen2001] Eq. 15, which [JensenBuhler2002] and [Hery2003] tabulate.
 [[nodiscard]] AlbedoInversion invert_dipole_albedo(double reflectance, double ior_inside,

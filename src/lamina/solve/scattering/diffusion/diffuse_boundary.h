@@ -7,7 +7,7 @@
 
 namespace lamina {
 
-/// Which reflectance a boundary has for diffuse light inside.
+/// Reflectance that a boundary has for diffuse light inside.
 enum class DiffuseFresnel {
   exact,  ///< `fresnel_diffuse`; of a rough boundary all light, whatever facets it meets
   /// To reproduce papers: `fresnel_diffuse_polynomial`, which changes totals by .001; of a rough
@@ -35,8 +35,8 @@ struct DiffusionOptions {
 [[nodiscard]] double diffuse_reflectance_inside(const Interface& boundary, double ior_inside,
                                                 double ior_outside, DiffuseFresnel fresnel);
 
-/// The same of diffuse light outside, all of it, whatever facets it meets: by reciprocity 1 - n^2
-/// (1
+/// Reflectance for diffuse light outside, all of it, whatever facets it meets: by reciprocity 1 -
+/// n^2 / (1 (1
 /// - rho_d).
 [[nodiscard]] double diffuse_reflectance_outside(const Interface& boundary, double ior_outside,
                                                  double ior_inside);

@@ -32,7 +32,7 @@ struct DiffusionProfile {
                                                       const DiffusionOptions& options = {},
                                                       const RadialGrid& grid = {});
 
-/// The same on the grid of a plan, which is made once for many materials.
+/// Makes a profile on the grid of a plan, which is made once for many materials.
 [[nodiscard]] DiffusionProfile make_diffusion_profile(std::span<const LayerStack> stacks,
                                                       const HankelPlan& plan,
                                                       const DiffusionOptions& options = {});

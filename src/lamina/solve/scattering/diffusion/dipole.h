@@ -29,7 +29,7 @@ struct Dipole {
 /// positive it is added, else a half-space without absorption would reflect nothing.
 [[nodiscard]] double reflectance_profile(const Dipole& dipole, double r);
 
-/// The same over spatial frequency k [1/mm], k >= 0: the integral of 2 pi r J0(k r) times the
+/// Reflectance over spatial frequency k [1/mm], k >= 0: the integral of 2 pi r J0(k r) times the
 /// profile, in closed form. The fraction of the flux that returns if it enters as J0(k r).
 [[nodiscard]] double reflectance_at_frequency(const Dipole& dipole, double k);
 

@@ -31,7 +31,7 @@ struct LayeredDiffusion {
 [[nodiscard]] LayeredDiffusion make_layered_diffusion(const LayerStack& stack,
                                                       const DiffusionOptions& options = {});
 
-/// The same for all bands of a material; boundaries that bands share are worked out once.
+/// Layered diffusion of all bands of a material; boundaries that bands share are worked out once.
 /// @throws InvalidInput naming the band too.
 [[nodiscard]] std::vector<LayeredDiffusion> make_layered_diffusion(
     std::span<const LayerStack> stacks, const DiffusionOptions& options = {});
@@ -50,7 +50,7 @@ struct LayeredDiffusion {
 /// `response(const Multipole&, double)` says.
 [[nodiscard]] std::vector<std::size_t> thin_layers(const LayeredDiffusion& model);
 
-/// What becomes of the light that arrives on a stack, by diffusion at k = 0. The absorptance of a
+/// Totals of the light that arrives on a stack, by diffusion at k = 0. The absorptance of a
 /// layer is the net flux into it; the light that enters does so as diffuse flux, whatever its
 /// angle, so incidence counts in the specular reflectance only. Over a ground that reflects,
 /// `transmittance` is what the ground takes.

@@ -27,7 +27,7 @@ namespace lamina {
                                                                 std::span<const double> r,
                                                                 std::span<const double> t);
 
-/// The same of layers by transforms, also of a half-space.
+/// Pulsed diffusion of layers by transforms, also of a half-space.
 [[nodiscard]] std::vector<std::vector<double>> pulsed_diffusion_by_transforms(
     const LayerStack& stack, std::span<const double> r, std::span<const double> t);
 

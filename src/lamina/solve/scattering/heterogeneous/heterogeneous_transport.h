@@ -37,7 +37,7 @@ void check_layer_count(std::size_t layers);
                                                             ProfileAt profile = ProfileAt::both,
                                                             double tolerance = 5e-5);
 
-/// The same of layers of which anything may vary.
+/// Makes layers of which anything may vary.
 ///
 /// @param texels  [layer] width * height each, or one.
 /// @throws InvalidInput if there are too many layers; Interrupted if progress, which is told after
@@ -64,7 +64,7 @@ struct TransportResult {
   double last_bounce = 0.0;    ///< the last one's part of what went down, closure left out
 };
 
-/// What becomes of light that has entered at the lit surface.
+/// Transports light that has entered at the lit surface.
 ///
 ///     M = R1+[Φ] + T1-[A R2+[A T1+[Φ]]] + T1-[A R2+[A R1-[A R2+[A T1+[Φ]]]]] + ...
 ///

@@ -53,7 +53,7 @@ struct TransportLayerOf {
 };
 using TransportLayer = TransportLayerOf<float>;
 
-/// What operators of a layer make of light, [operator].
+/// Light by operators of a layer, [operator].
 template <class T>
 [[nodiscard]] std::vector<PlaneOf<T>> apply_layer(const BlurPyramid& pyramid,
                                                   const PlaneOf<T>& input,

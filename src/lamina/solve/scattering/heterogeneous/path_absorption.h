@@ -12,7 +12,7 @@
 
 namespace lamina {
 
-/// Whose absorption a profile is that of.
+/// Place whose absorption a profile is of.
 enum class ProfileAt {
   exit,  ///< the point where light comes out [Donner2008] eq. 5
   both   ///< the mean of where it enters and comes out, of absorption as its path meets it

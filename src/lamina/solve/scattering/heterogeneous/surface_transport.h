@@ -45,7 +45,7 @@ template <int N>
 template <int N>
 [[nodiscard]] CellField<N> uniform_reflectance(const SurfaceLayers<N>& layers);
 
-/// The same of what leaves below; 0 under a half-space or a ground.
+/// Light that leaves below in uniform light; 0 under a half-space or a ground.
 template <int N>
 [[nodiscard]] CellField<N> uniform_transmittance(const SurfaceLayers<N>& layers);
 
@@ -56,7 +56,7 @@ struct SurfaceTransportResult {
   CellField<N> transmitted;  ///< below; empty under a half-space or a ground
 };
 
-/// What becomes of light that has entered: `transport` of heterogeneous_transport.h on a surface,
+/// Transports light that has entered: `transport` of heterogeneous_transport.h on a surface,
 /// with profiles of both ends where only absorption varies.
 ///
 /// @param irradiance  [cell] flux that enters per area.

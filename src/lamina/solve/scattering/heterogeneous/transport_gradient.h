@@ -9,8 +9,8 @@
 
 namespace lamina {
 
-/// What heterogeneous transport depends on, texel by texel; or the derivatives of a number by it.
-/// All planes have one size.
+/// Maps that heterogeneous transport depends on, texel by texel; or the derivatives of a number by
+/// them. All planes have one size.
 template <class T>
 struct TransportMaps {
   std::vector<PlaneOf<T>> sigma_a;     ///< [layer] absorption [1/mm], > 0
@@ -18,7 +18,7 @@ struct TransportMaps {
   PlaneOf<T> irradiance;               ///< flux that enters per area
 };
 
-/// What leaves at the two surfaces; or the derivatives of a number by it.
+/// Light that leaves at the two surfaces; or the derivatives of a number by it.
 template <class T>
 struct TransportLight {
   PlaneOf<T> reflected;
@@ -57,7 +57,7 @@ class DifferentiableTransport {
   DifferentiableTransport(const DifferentiableTransport&) = delete;
   DifferentiableTransport& operator=(const DifferentiableTransport&) = delete;
 
-  /// What leaves. Keeps what `gradient` needs, some fifty planes.
+  /// Light that leaves. Keeps what `gradient` needs, some fifty planes.
   [[nodiscard]] TransportLight<T> light(const TransportMaps<T>& maps);
 
   /// Derivatives of a number by all maps that `light` was last called with.
@@ -65,7 +65,7 @@ class DifferentiableTransport {
   /// @param by_light  its derivatives by what left
   [[nodiscard]] TransportMaps<T> gradient(const TransportLight<T>& by_light);
 
-  /// What the light changes by, to first order, when these maps do: the transpose of `gradient`,
+  /// Change of the light, to first order, when these maps change: the transpose of `gradient`,
   /// <tangent(x), y> = <x, gradient(y)> to rounding. It costs less than `light`.
   ///
   /// @param change  of the maps that `light` was last called with; vectors and planes that are

@@ -13,7 +13,7 @@
 
 namespace lamina {
 
-/// What becomes of light that a boundary inside the stack reflects.
+/// Treatment of light that a boundary inside the stack reflects.
 enum class InternalReflections {
   lost,   ///< as printed by [HanrahanKrueger1993]: every boundary only weakens what crosses it
   summed  ///< all reflections before and after the event are summed; nothing of order 1 is missing
@@ -129,7 +129,7 @@ template <class V>
 [[nodiscard]] V layer_phase(const FirstOrderStack<V>& stack, const FirstOrderLayer<V>& layer,
                             const V& one_minus_cos);
 
-/// The same as first_order_bsdf, averaged over azimuth.
+/// Mean of first_order_bsdf over azimuth.
 [[nodiscard]] double mean_first_order_bsdf(const FirstOrderStack<double>& stack,
                                            const StackBeam<double>& in,
                                            const StackBeam<double>& out);

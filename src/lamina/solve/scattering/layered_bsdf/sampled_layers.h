@@ -40,7 +40,7 @@ struct LobeSeen {
   float inverse_ior = 1.0f;
 };
 
-/// What of a stack depends on the direction of the eye.
+/// Values of a stack that depend on the direction of the eye.
 template <int N>
 struct LayersSeen {
   using Bands = BandValues<N>;

@@ -23,9 +23,10 @@ struct StraightLight {
   int mirrors = 3;      ///< most reflections of what is not scattered
 };
 
-/// Of diffuse light from above on one point, or of a beam that a rough top spreads, what is not
-/// scattered or scattered once and otherwise not reflected, over the plan's radii: all that
-/// `diffuse_response` has beyond `unscattered_response` and `diffuse_single_on_grid` comes on top.
+/// Lowest orders of diffuse light from above on one point, or of a beam that a rough top spreads:
+/// light not scattered or scattered once and otherwise not reflected, over the plan's radii: all
+/// that `diffuse_response` has beyond `unscattered_response` and `diffuse_single_on_grid` comes on
+/// top.
 ///
 /// @param on_grid  the same stack on the grid of those, above rough boundaries inside.
 /// @param light    straight rays and how often they may be reflected.

@@ -39,8 +39,8 @@ struct DiffuseSingle {
                                                 int depth_nodes = 8);
 [[nodiscard]] FrequencyResponse single_response(const DiffuseSingle& single, double k);
 
-/// The same light as all orders have it on a grid, with the azimuths that the modes can tell apart:
-/// what is to be taken out of `diffuse_response`.
+/// Single scattering as all orders have it on a grid, with the azimuths that the modes can tell
+/// apart: what is to be taken out of `diffuse_response`.
 [[nodiscard]] FrequencyResponse diffuse_single_on_grid(const FrequencySolver& solver, double k);
 
 }  // namespace lamina::detail

@@ -13,7 +13,8 @@ namespace lamina::detail {
 [[nodiscard]] std::vector<FrequencyResponse> oblique_single_on_grid(const FrequencySolver& solver,
                                                                     double k);
 
-/// The same exactly, at (x, y) [mm] from where the beam comes in; it goes on towards +x. [1/mm²]
+/// Single scattering at (x, y) [mm] from where the beam comes in, exactly; it goes on towards +x.
+/// [1/mm²]
 ///
 /// @param p  ior_above times the sine of the beam's angle
 [[nodiscard]] SingleScatteringProfile oblique_single_profile(const LayerStack& stack,

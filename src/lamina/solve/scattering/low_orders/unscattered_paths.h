@@ -29,7 +29,7 @@ struct UnscatteredPath {
                                                      const std::vector<UnscatteredPath>& paths,
                                                      double k);
 
-/// The same at distance r [mm] > 0 from that point [1/mm²].
+/// Unscattered light at distance r [mm] > 0 from that point [1/mm²].
 [[nodiscard]] SingleScatteringProfile unscattered_profile(const FrequencySolver& solver,
                                                           const std::vector<UnscatteredPath>& paths,
                                                           double r);

@@ -20,7 +20,7 @@ struct Cylinder {
   double g = 0.0;               ///< in (-1, 1)
 };
 
-/// What becomes of light at the sides of a box.
+/// Treatment of light at the sides of a box.
 enum class BoxSides {
   repeat,  ///< the box repeats without end
   open     ///< light is gone

@@ -49,7 +49,8 @@ struct McmlRun {
 /// The layers of a run, in mm.
 [[nodiscard]] LayerStack layer_stack(const McmlRun& run);
 
-/// What MCML would count: its photons, its grids, its specular reflectance of a clear first layer.
+/// Options to count as MCML does: its photons, its grids, its specular reflectance of a clear first
+/// layer.
 [[nodiscard]] MonteCarloOptions monte_carlo_options(const McmlRun& run);
 
 }  // namespace lamina

@@ -45,7 +45,7 @@ struct KnownLight {
   friend bool operator==(const KnownLight&, const KnownLight&) = default;
 };
 
-/// What is counted besides the totals. Each costs time and memory only if asked for.
+/// Tallies besides the totals. Each costs time and memory only if asked for.
 struct PhotonTallies {
   UniformBins r;   ///< [mm] R(r), T(r), and with `angles` R(r, angle), T(r, angle)
   int angles = 0;  ///< bins of equal angle over [0, pi/2]: R(angle), T(angle)
@@ -168,7 +168,7 @@ struct Modulation {
   Estimate phase;      ///< by which it lags, in (-pi, pi] [rad]; 0 ± pi where no light left
 };
 
-/// The same of reflected and transmitted light.
+/// Modulation of reflected and transmitted light.
 struct TwoSidedModulation {
   std::vector<Modulation> reflection, transmission;
 };

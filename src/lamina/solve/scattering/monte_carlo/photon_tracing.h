@@ -57,9 +57,9 @@ struct MonteCarloOptions {
   /// default is where error times computing time is least; MCML's is 1e-4. In (0, 0.5].
   double roulette_weight = 0.1;
 
-  /// As MCML does: light enters the first layer that interacts with the deterministic transmittance
-  /// of a clear first layer, whose interreflections then count as specular. Needs normal
-  /// incidence and smooth boundaries.
+  /// Whether light enters as in MCML: the first layer that interacts with the deterministic
+  /// transmittance of a clear first layer, whose interreflections then count as specular. Needs
+  /// normal incidence and smooth boundaries.
   bool clear_top_is_specular = false;
 
   Progress progress;  ///< asked after every batch; may stop the run, which keeps what it has
@@ -91,7 +91,7 @@ struct MonteCarloOptions {
 [[nodiscard]] PhotonCounts continue_photons(const LayerStack& stack,
                                             const MonteCarloOptions& options, PhotonCounts counts);
 
-/// What count_photons counts, as fractions with standard errors.
+/// Fractions with standard errors, from the counts of count_photons.
 [[nodiscard]] MonteCarloResult trace_photons(const LayerStack& stack,
                                              const MonteCarloOptions& options);
 

@@ -14,7 +14,7 @@
 
 namespace lamina {
 
-/// What gives a band random numbers of its own.
+/// Seed that gives a band random numbers of its own.
 [[nodiscard]] std::uint64_t seed_of_band(std::uint64_t seed, std::size_t band);
 
 /// trace_photons of several bands, one after the other, [band]. All have the same random numbers,

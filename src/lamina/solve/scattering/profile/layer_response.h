@@ -5,7 +5,7 @@
 
 namespace lamina {
 
-/// Which light between two layers counts.
+/// Light between two layers that counts.
 enum class Interreflections {
   all,
   none,  ///< only what crosses the upper layer, turns round once in the lower one, and comes back
@@ -15,7 +15,7 @@ template <>
 inline constexpr auto enum_names<Interreflections> = std::to_array<EnumName<Interreflections>>(
     {{"all", Interreflections::all}, {"none", Interreflections::none}});
 
-/// What a layer does with diffuse flux that enters as J0(k r), at one spatial frequency k: the
+/// Response of a layer to diffuse flux that enters as J0(k r), at one spatial frequency k: the
 /// factors by which it comes out, still as J0(k r). At k = 0 they are fractions of the total flux.
 /// In the symbols of [DonnerJensen2005] with the direction of the light added: R+, T+, R-, T-.
 struct LayerResponse {

@@ -47,7 +47,7 @@ struct Profile {
 /// Source: [FritschButland1984] for the slopes at the radii.
 [[nodiscard]] double reflectance_profile(const Profile& profile, double r, std::size_t band);
 
-/// The same of the light that leaves at the bottom.
+/// Profile of the light that leaves at the bottom.
 [[nodiscard]] double transmittance_profile(const Profile& profile, double r, std::size_t band);
 
 /// How the flux of a profile adds up from the beam outward.

@@ -11,7 +11,7 @@ struct Incidence {
   double theta = 0.0;       ///< else the angle from the normal outside [rad], in [0, pi/2)
 };
 
-/// What becomes of the light that arrives on a stack, as fractions of it; one wavelength.
+/// Totals of the light that arrives on a stack, as fractions of it; one wavelength.
 /// The four kinds sum to 1, but for light that a ground absorbs.
 struct SlabTotals {
   double specular_reflectance = 0.0;  ///< the first reflection at the top surface only

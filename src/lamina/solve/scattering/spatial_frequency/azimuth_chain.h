@@ -29,7 +29,7 @@ enum class AzimuthEnd {
 /// @param modes  M, >= 1.
 [[nodiscard]] AzimuthChain make_azimuth_chain(int modes, AzimuthEnd end = AzimuthEnd::absorbing);
 
-/// The same as independent waves: light that starts in mode 0 is, in mode m, after c,
+/// Azimuth chain as independent waves: light that starts in mode 0 is, in mode m, after c,
 /// sum over q of Re(weight[m][q] exp(rate[q] c)). From mode m to mode 0: (-1)^m times that.
 struct AzimuthWaves {
   std::vector<std::complex<double>> rate;                 ///< [wave], real parts < 0

@@ -18,21 +18,21 @@ struct FrequencyResponse {
 /// All orders of scattering. At k = 0 the diffuse totals on the same grid.
 [[nodiscard]] FrequencyResponse response(const FrequencySolver& solver, double k);
 
-/// The same at several frequencies, best as many as `slabs_at_once` and neighbours.
+/// Responses at several frequencies, best as many as `slabs_at_once` and neighbours.
 [[nodiscard]] std::vector<FrequencyResponse> responses(const FrequencySolver& solver,
                                                        std::span<const double> frequencies);
 
-/// The same for diffuse light that falls on the top as a wave, equal radiance from all of the
+/// Response to diffuse light that falls on the top as a wave, equal radiance from all of the
 /// hemisphere: fractions of its flux. With the light that finds its way unscattered; only what the
 /// top surface mirrors is left out.
 [[nodiscard]] FrequencyResponse diffuse_response(const FrequencySolver& solver, double k);
 [[nodiscard]] std::vector<FrequencyResponse> diffuse_responses(const FrequencySolver& solver,
                                                                std::span<const double> frequencies);
 
-/// What leaves scattered of a beam from the first oblique direction, [mode]: times (-1)^m c_m
-/// J_m(k r) cos(m phi), summed over the modes and integrated over k, it makes the profile over the
-/// plane. The angle phi starts where the beam goes to. Mode 0 is the response with azimuth
-/// averaged.
+/// Response to a beam from the first oblique direction: scattered light that leaves, [mode]: times
+/// (-1)^m c_m J_m(k r) cos(m phi), summed over the modes and integrated over k, it makes the
+/// profile over the plane. The angle phi starts where the beam goes to. Mode 0 is the response with
+/// azimuth averaged.
 [[nodiscard]] std::vector<FrequencyResponse> oblique_response(const FrequencySolver& solver,
                                                               double k);
 /// [frequency][mode]

@@ -26,7 +26,7 @@ struct FrequencySolver {
   TopPassage top;
 };
 
-/// Which rough boundaries a solver has. A boundary is local, so that it is the same at every
+/// Rough boundaries that a solver has. A boundary is local, so that it is the same at every
 /// frequency; it takes a tenth of a second.
 enum class RoughModes {
   all,

@@ -37,7 +37,7 @@ struct Spectrum {
 /// The spectrum that fewer frequencies would have found, the function being as it is.
 [[nodiscard]] Spectrum resampled(const Spectrum& spectrum, int count);
 
-/// What would be known of it if the grid had ended at this fraction of its highest frequency. The
+/// Spectrum as it would be if the grid had ended at this fraction of its highest frequency. The
 /// law of the tail then begins earlier: where it does not hold yet, the two differ as much as the
 /// tail is wrong, and the profile rings.
 [[nodiscard]] Spectrum ended_at(const Spectrum& spectrum, double share);

@@ -9,13 +9,14 @@ namespace lamina::detail {
 /// Whether a boundary below the top is rough.
 [[nodiscard]] bool has_rough_inside(const GridStack& stack);
 
-/// What light of the lowest orders sees, which is of them as long as it has met no facets inside:
-/// the layers down to the first rough boundary below the top, over darkness of their own index.
-/// Nothing leaves below. A stack without rough boundaries there is kept as it is.
+/// Stack that light of the lowest orders sees, which is of them as long as it has met no facets
+/// inside: the layers down to the first rough boundary below the top, over darkness of their own
+/// index. Nothing leaves below. A stack without rough boundaries there is kept as it is.
 [[nodiscard]] GridStack above_rough_inside(GridStack stack);
 
-/// Of a normal beam under a smooth top, what a rough last boundary lets out where the beam arrives
-/// unscattered: light of all directions at r = 0, the same at every frequency. 0 in other stacks.
+/// Transmittance of a rough last boundary for a normal beam under a smooth top, where the beam
+/// arrives unscattered: light of all directions at r = 0, the same at every frequency. 0 in other
+/// stacks.
 ///
 /// @param which  extinction of the beam.
 [[nodiscard]] double through_rough_bottom(const FrequencySolver& solver, Unscattered which);

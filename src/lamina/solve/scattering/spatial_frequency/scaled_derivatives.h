@@ -8,7 +8,7 @@
 
 namespace lamina::detail {
 
-/// What ScaledSolver finds, with derivatives: of doubling and of the factor exactly, of the little
+/// Derivatives of what ScaledSolver finds: of doubling and of the factor exactly, of the little
 /// that light scattered once adds, which is in closed form, by differences.
 class ScaledDerivatives {
  public:

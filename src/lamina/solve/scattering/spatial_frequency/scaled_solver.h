@@ -10,7 +10,7 @@
 
 namespace lamina::detail {
 
-/// What makes right a flux that was found, where light is known to leave.
+/// Factor that corrects a flux that was found, where light is known to leave.
 [[nodiscard]] inline double scale_to(double known, double found) {
   return known > 0.0 && found > 0.0 ? known / found : 1.0;
 }

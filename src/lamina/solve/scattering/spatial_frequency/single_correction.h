@@ -6,8 +6,8 @@
 
 namespace lamina::detail {
 
-/// What the response to a beam under a smooth top lacks on a grid of a few directions, of the light
-/// that is scattered once: that of many directions less that of the grid.
+/// Correction of the response to a beam under a smooth top on a grid of a few directions, of the
+/// light that is scattered once: that of many directions less that of the grid.
 class SingleCorrection {
  public:
   /// @param nodes, modes  of the grid.

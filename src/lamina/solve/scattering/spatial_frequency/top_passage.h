@@ -18,7 +18,7 @@ struct TopPassage {
   std::vector<double> in, out;  ///< [node]; 0 at the beams
   bool is_rough = false;
 
-  /// The same at any p of the first layer, of rough tops.
+  /// Passage in at any p of the first layer, of rough tops.
   [[nodiscard]] double in_at(double p) const;
   [[nodiscard]] double out_at(double p) const;
 

@@ -9,11 +9,11 @@
 
 namespace lamina {
 
-/// What leaves as a wave J0(k r) of the beam's flux, diffuse light only: what spatial-frequency
-/// domain imaging measures, at k = 0 what adding-doubling finds. Nodes and azimuthal modes grow,
-/// from 10 and 6 to 36 and 14, until a step changes less than the accuracy asked, of the value or
-/// of a hundredth of that without waves, or would take more than some 10 s. The errors are what the
-/// last step changed.
+/// Response that leaves as a wave J0(k r) of the beam's flux, diffuse light only: what
+/// spatial-frequency domain imaging measures, at k = 0 what adding-doubling finds. Nodes and
+/// azimuthal modes grow, from 10 and 6 to 36 and 14, until a step changes less than the accuracy
+/// asked, of the value or of a hundredth of that without waves, or would take more than some 10 s.
+/// The errors are what the last step changed.
 struct SpatialFrequencyResponse {
   std::vector<double> k;                                       ///< [i] [1/mm]
   std::vector<double> reflectance;                             ///< [i][band]
@@ -32,7 +32,7 @@ struct SpatialFrequencyDerivatives {
   std::vector<std::vector<LayerDerivatives>> reflectance, transmittance;  ///< [i][band], [layer]
 };
 
-/// The same with the derivatives of each response on the directions that it ended with, so that a
+/// Response with the derivatives on the directions that it ended with, so that a
 /// fit sees the derivative of the numbers that it compares: to 1e-6 of central differences there.
 /// At k = 0 those of adding-doubling's totals, less unscattered light. All layers and parameters
 /// together take four to five times as long as the responses.

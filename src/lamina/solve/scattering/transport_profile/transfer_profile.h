@@ -13,7 +13,7 @@
 
 namespace lamina {
 
-/// Of which error an accuracy is asked.
+/// Error that an accuracy is asked of.
 enum class ProfileError {
   largest,  ///< at each radius where there is light, on either side
   mean      ///< weighted by flux, over all radii and both sides together: what a picture is wrong
@@ -73,12 +73,12 @@ struct TransferProfile {
                                                const RadialGrid& radii = {},
                                                const TransferProfileOptions& options = {});
 
-/// That `transfer_profile` takes these stacks, before any work.
+/// Checks that `transfer_profile` takes these stacks, before any work.
 /// @throws InvalidInput as it.
 void require_transfer_profile(std::span<const LayerStack> stacks,
                               const TransferProfileOptions& options = {});
 
-/// The same stacks with above and below exchanged.
+/// Stacks with above and below exchanged.
 /// @throws InvalidInput if a stack has no lower side, or a ground that reflects.
 [[nodiscard]] std::vector<LayerStack> lit_from_below(std::span<const LayerStack> stacks);
 

@@ -16,7 +16,7 @@
 
 namespace lamina {
 
-/// What a file says of its colors. An ICC profile counts before an encoding.
+/// Statement of a file about its colors. An ICC profile counts before an encoding.
 struct ColorStatement {
   std::vector<std::byte> icc;           ///< empty: none
   std::optional<RgbEncoding> encoding;  ///< by chunks of PNG or by Exif
@@ -47,10 +47,10 @@ class ColorReading {
   ColorReading(const ColorReading&) = delete;
   ColorReading& operator=(const ColorReading&) = delete;
 
-  /// What an integer becomes as it is read, as a fraction of the largest one.
+  /// Number of an integer as it is read, as a fraction of the largest one.
   [[nodiscard]] float number(std::uint32_t value, std::uint32_t largest) const;
 
-  /// What then becomes of the colors of the image: its first channels, "Y" or "R", "G", "B".
+  /// Converts the colors of the image, its first channels, "Y" or "R", "G", "B", to Rec.709.
   /// Negative numbers that only this makes, of colors beyond the triangle of Rec.709, become 0.
   [[nodiscard]] Image in_rec709(Image image) const;
 

@@ -6,7 +6,7 @@
 
 namespace lamina {
 
-/// What a camera notes that a reader of pixels has to know.
+/// Notes of a camera that a reader of pixels has to know.
 struct ExifNotes {
   int orientation = 1;        ///< 1 to 8, as TIFF numbers them: 1 is upright
   bool is_adobe_rgb = false;  ///< by the color space 2, or the rule "R03" of DCF

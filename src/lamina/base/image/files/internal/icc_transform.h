@@ -9,7 +9,7 @@
 
 namespace lamina {
 
-/// What an ICC profile makes of numbers: linear Rec.709, by the relative colorimetric intent, under
+/// Transform of an ICC profile to linear Rec.709, by the relative colorimetric intent, under
 /// D65. Source: [ICC2010]; LittleCMS evaluates it, in floating point and without bounds.
 class IccTransform {
  public:

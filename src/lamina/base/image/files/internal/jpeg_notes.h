@@ -6,7 +6,7 @@
 
 namespace lamina {
 
-/// What stands in a JPEG before its pixels: Exif, and an ICC profile in any number of pieces.
+/// Notes that stand in a JPEG before its pixels: Exif, and an ICC profile in any number of pieces.
 /// Source: [JPEG1992] §B.1.1.4; the pieces of a profile: [ICC2010] §B.4.
 struct JpegNotes {
   ExifNotes exif;

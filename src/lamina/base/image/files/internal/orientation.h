@@ -10,7 +10,7 @@ namespace lamina {
 /// Whether rows of the file are columns of the upright picture.
 [[nodiscard]] constexpr bool swaps_sides(int orientation) { return orientation >= 5; }
 
-/// What `upright` takes beside the image [bytes].
+/// Memory that `upright` takes beside the image [bytes].
 [[nodiscard]] constexpr std::size_t turning_bytes(int orientation, std::size_t width,
                                                   std::size_t height, std::size_t channels) {
   return orientation > 1 ? width * height * channels * sizeof(float) : 0;

@@ -8,7 +8,7 @@
 
 namespace lamina {
 
-/// What the chunks of a PNG say of its colors: the first of cICP, iCCP, sRGB, and gAMA with cHRM
+/// Reads the colors that chunks of a PNG state: the first of cICP, iCCP, sRGB, and gAMA with cHRM
 /// that is there. Source: [PNG2025] §4.3, Table 1.
 ///
 /// 0.45455 for gAMA is what sRGB files have for readers that do not know its curve (§11.3.2.5), and

@@ -17,7 +17,7 @@ class ScatteringTally {
   /// Light that starts with the given weight, relative to its arriving flux.
   void start(double weight) { started_ += weight, ++rays_; }
 
-  /// It leaves to wo after `order` facets; order 0 gives it up.
+  /// Counts light that leaves to wo after `order` facets; order 0 gives it up.
   void leave(const Vec3& wo, int order, double weight);
 
   [[nodiscard]] std::int64_t rays() const { return rays_; }

@@ -12,9 +12,9 @@
 
 namespace lamina {
 
-/// What the ratio of two radiances that leave a surface is linear in: a constant, the cosine to the
-/// normal inside, and the direction along the surface inside. Where light diffuses, radiance inside
-/// is linear in the direction: the fluence and the net flux.
+/// Number of terms of the ratio of two radiances that leave a surface: a constant, the cosine to
+/// the normal inside, and the direction along the surface inside. Where light diffuses, radiance
+/// inside is linear in the direction: the fluence and the net flux.
 inline constexpr std::size_t direction_terms = 5;
 using DirectionTerms = std::array<float, direction_terms>;
 

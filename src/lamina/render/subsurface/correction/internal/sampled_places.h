@@ -49,13 +49,13 @@ class SampledPlaces {
   [[nodiscard]] float exitance_of_mean(float fraction) const;
 
   [[nodiscard]] const std::vector<PlaceGraph::Place>& places() const { return places_; }
-  /// Of each place [mm²]; 0 of one that is not seen.
+  /// Area of each place [mm²]; 0 of one that is not seen.
   [[nodiscard]] const std::vector<float>& areas() const { return areas_; }
   [[nodiscard]] std::size_t sample_count() const;
   /// [place], for fit_correction. Light of the planar method counts as this exitance more.
   [[nodiscard]] std::vector<std::vector<WalkedSample<N>>> samples(float exitance) const;
 
-  /// What a fit to samples(exitance) does to the light where it is seen.
+  /// Cross-validation of a fit to samples(exitance), over the light that is seen.
   struct Assessment {
     double change = 0.0;  ///< from that of the planar method: root mean square over the mean light
     /// Squares that each half leaves of the other's samples, less those that no fit changes, over
@@ -70,7 +70,7 @@ class SampledPlaces {
   [[nodiscard]] Assessment assess(const CorrectionFit<N>& fit, float exitance) const;
 
  private:
-  /// As many samples over their mean as the root of the light that is seen there.
+  /// Sets the samples of places by the root of the light that is seen there.
   [[nodiscard]] bool find_shares();
   /// Along the normal at the middle of a place by the planar method: sum of the bands.
   [[nodiscard]] float planar_light(std::size_t place) const;

@@ -24,7 +24,7 @@ struct DiffusionMedium {
   BandValues<N> mirrored;         ///< fraction of diffuse light that the surface reflects inside
 };
 
-/// That of the last layer: what fills the object.
+/// Diffusion medium of the last layer, which fills the object.
 template <int N>
 [[nodiscard]] DiffusionMedium<N> make_diffusion_medium(const Material& material);
 

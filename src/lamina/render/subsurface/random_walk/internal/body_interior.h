@@ -102,7 +102,7 @@ class BodyInterior {
     for (int b = 0; b < bands_; ++b) sum += values[b];
     return sum;
   }
-  /// Of light that meets a surface from inside: the fraction that leaves, and its direction.
+  /// Light that meets a surface from inside: the fraction that leaves, and its direction.
   struct Transmission {
     float fraction = 0.0f;
     Vec3f outside;

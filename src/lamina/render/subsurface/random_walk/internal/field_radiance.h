@@ -6,7 +6,7 @@
 
 namespace lamina {
 
-/// What is known beforehand of the radiance at a point: what a path may expect to find at a
+/// Estimate of the radiance at a point, made beforehand: what a path may expect to find at a
 /// scattering event there. Means, with how far single estimates are from them.
 template <int N>
 struct FieldRadiance {
@@ -26,7 +26,7 @@ struct FieldRadiance {
   [[nodiscard]] BandValues<N> along(const Vec3f& direction) const {
     return scattered + dot(net_flux, direction) * directed;
   }
-  /// Its mean for a path that comes in a direction and scatters by a phase function.
+  /// Mean for a path that comes in a direction and scatters by a phase function.
   [[nodiscard]] BandValues<N> mean(const Vec3f& incoming, const BandValues<N>& mean_cosine) const {
     return scattered + dot(net_flux, incoming) * mean_cosine * directed;
   }

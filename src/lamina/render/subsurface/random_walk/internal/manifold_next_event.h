@@ -81,10 +81,10 @@ class ManifoldNextEvent {
     constexpr float same_entry = 0.02f;  // of that length
     return length(a - b) < same_entry * path_length + least_distance(interior_.scene());
   }
-  /// What a ray from inside meets, where its normal is about n.
+  /// Surface point that a ray from inside meets, where its normal is about n.
   [[nodiscard]] std::optional<SurfacePoint> meet(const Vec3f& inside, const Vec3f& direction,
                                                  const Vec3f& n) const;
-  /// What is found of one kind, so that nothing counts twice.
+  /// Connections found of one kind, so that nothing counts twice.
   struct Connections {
     std::array<Vec3f, FewNormals::most * FewNormals::most + 2> entry;
     std::size_t count = 0;
@@ -106,11 +106,11 @@ class ManifoldNextEvent {
   template <class OnConnection>
   void for_connections(const Vec3f& inside, const LightSample& sample,
                        const FindBoundary* find_boundary, const OnConnection& on_connection) const;
-  /// The same for paths that a flat part of the boundary reflects once inside.
+  /// Calls a function for paths that a flat part of the boundary reflects once inside.
   template <class OnConnection>
   void for_reflected_connections(const Vec3f& inside, const LightSample& sample,
                                  const OnConnection& on_connection) const;
-  /// What next-event estimation at the last event finds of the path on which light is met.
+  /// Next-event estimate at the last event of the path on which light is met.
   struct SameConnection {
     RefractedEntry entry;
     float pdf;

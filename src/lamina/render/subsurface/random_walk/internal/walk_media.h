@@ -24,8 +24,8 @@ namespace lamina {
 /// The medium inside the bodies of one material, with all that paths in it need.
 template <int N>
 struct BodyMedium {
-  /// Of a path before `even_layers`: balls of skin are within 3 % so, up to 15 % brighter with
-  /// none.
+  /// Events of a path before `even_layers`: balls of skin are within 3 % so, up to 15 % brighter
+  /// with none.
   static constexpr int true_events = 2;
 
   WalkLayers<N> layers;
@@ -43,7 +43,7 @@ struct BodyMedium {
   /// Optional, a control variate: absent where it cannot be solved, which is where the medium is
   /// not homogeneous. Paths are the same with it and without, and so is their mean.
   std::unique_ptr<RadianceField<N>> field;
-  /// The same for layers and maps under a smooth boundary.
+  /// Radiance by depth for layers and maps under a smooth boundary.
   std::unique_ptr<DepthRadiance<N>> depth_radiance;
   /// Beside the field: absent where that is.
   std::unique_ptr<LightVertices<N>> light_vertices;
@@ -122,7 +122,7 @@ class WalkMedia {
   [[nodiscard]] Bands optical_thickness(const Ray& ray, const MediaPlace<N>& start, float length,
                                         int events) const;
   [[nodiscard]] bool has_maps() const { return has_maps_; }
-  /// What maps make of its transmittance; as WalkLayers::sample_residual.
+  /// Residual of maps in its transmittance; as WalkLayers::sample_residual.
   [[nodiscard]] Bands sample_residual(const Ray& ray, const MediaPlace<N>& start, float length,
                                       int events, Random& random) const;
 

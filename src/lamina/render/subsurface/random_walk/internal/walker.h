@@ -32,15 +32,15 @@ class Walker {
   ///
   /// @param with_unscattered  also of light that comes straight through
   [[nodiscard]] Bands trace(bool with_unscattered);
-  /// What it found is to be recorded.
+  /// Sets the record for all that it finds.
   void record_to(WalkRecord<N>& record) { record_ = &record; }
 
  private:
   using Place = MediaPlace<N>;
   using Surface = typename WalkMedia<N>::Surface;
   using Crossing = DepthLayers::Crossing;
-  /// What a path comes to: a scattering event, a surface that reflects or refracts it, or a layer
-  /// of another index.
+  /// End of a step of a path: a scattering event, a surface that reflects or refracts it, or a
+  /// layer of another index.
   struct Step {
     enum class End { event, surface, layer, lost } end = End::lost;
     Surface surface = {};
@@ -69,7 +69,7 @@ class Walker {
   /// @param density  of each band
   /// @return         false: beyond what floats hold
   [[nodiscard]] bool weigh(const Bands& value, const Bands& density);
-  /// What a path comes to at the end of a free path by the largest extinction of a layer: a
+  /// End of a free path by the largest extinction of a layer: a
   /// scattering event, or nothing.
   ///
   /// @param passing  transmittance of the free path, but for a factor

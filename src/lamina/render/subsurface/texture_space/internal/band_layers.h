@@ -11,7 +11,7 @@
 
 namespace lamina {
 
-/// What the layers are at all texels in one band, and what that makes of light.
+/// Layers at all texels in one band, and what they make of light.
 struct BandLayers {
   BandTexels texels;
   MappedStack stack;

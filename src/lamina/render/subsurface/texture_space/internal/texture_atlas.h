@@ -49,7 +49,7 @@ class TextureAtlas {
 
   [[nodiscard]] std::span<const AtlasTexel> texels() const { return texels_; }
 
-  /// What a user should know, one line each: charts that overlap themselves, where one of the
+  /// Warnings for the user, one line each: charts that overlap themselves, where one of the
   /// faces has the texel and the others look up what is not theirs.
   [[nodiscard]] std::span<const std::string> warnings() const { return warnings_; }
 

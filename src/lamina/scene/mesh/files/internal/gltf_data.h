@@ -19,7 +19,7 @@ class GltfAccessor {
   [[nodiscard]] std::size_t count() const { return count_; }            ///< of elements
   [[nodiscard]] std::size_t components() const { return components_; }  ///< 1 for SCALAR, ...
 
-  /// What integers of [0, 1] are divided by, 255 or 65535; 1 of floats, 0 of other types.
+  /// Divisor of integers that stand for [0, 1]: 255 or 65535; 1 of floats, 0 of other types.
   [[nodiscard]] double largest_color() const;
   [[nodiscard]] bool is_normalized() const { return is_normalized_; }
 

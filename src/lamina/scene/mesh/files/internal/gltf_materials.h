@@ -9,7 +9,7 @@
 
 namespace lamina {
 
-/// What a glTF file says of its materials, by index: metallic-roughness and the extensions that
+/// Materials of a glTF file, by index: metallic-roughness and the extensions that
 /// FileMaterial has a place for; the names of all others are listed as ignored.
 /// Source: [glTF2] §3.9, and the extensions KHR_materials_*.
 [[nodiscard]] std::vector<FileMaterial> decode_gltf_materials(const JsonInput& root,

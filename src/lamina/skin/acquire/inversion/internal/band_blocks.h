@@ -44,7 +44,7 @@ class BandBlocks {
     TexelMaps slopes;
     std::vector<float> lower;  ///< [texel][row][column <= row] of Cholesky's triangles of blocks
   };
-  /// What is left of waves of an octave: [image * numbers + number].
+  /// Shares of waves of an octave that are left: [image * numbers + number].
   [[nodiscard]] std::vector<double> measured_shares(const Octave& octave, const TexelMaps& changes,
                                                     const TexelMaps& noise) const;
   /// @param smoothness  with shares on the octave's grid

@@ -58,7 +58,7 @@ void for_bilinear(const GridSize& fine, const Take& take) {
   return result;
 }
 
-/// What of a map its half does not hold: the waves of its grid, and nothing that is longer.
+/// Detail band of a map: the waves of its grid, and nothing that is longer.
 [[nodiscard]] inline std::vector<float> details(const GridSize& fine,
                                                 const std::vector<float>& map) {
   std::vector<float> result = on_fine(fine, on_half(fine, map));

@@ -26,7 +26,7 @@ namespace lamina::detail {
 [[nodiscard]] PosteriorErrors texel_errors(const PatchObjective& objective, const TexelMaps& level,
                                            const TexelMaps& coordinates, double robust_limit);
 
-/// What the images show of skin of these coordinates if light does not travel sideways.
+/// Images of skin of these coordinates if light does not travel sideways.
 [[nodiscard]] TexelMaps local_images(const PatchObjective& objective, const TexelMaps& level,
                                      const TexelMaps& coordinates);
 

@@ -11,7 +11,7 @@
 
 namespace lamina::detail {
 
-/// What uniform skin reflects in each image of a capture, as a share of the light. One for each
+/// Reflectance of uniform skin in each image of a capture, as a share of the light. One for each
 /// thread.
 class LocalModel {
  public:
@@ -35,7 +35,7 @@ class LocalModel {
   std::vector<TexelNumbers> by_number;  ///< [image], by coordinates
 };
 
-/// What is known of one texel: [image] of each, weights are 1 / deviation, or 0.
+/// Data of one texel: [image] of each, weights are 1 / deviation, or 0.
 struct TexelData {
   std::vector<double> measured, weight, level;  ///< level: light that arrives there
 };
@@ -47,7 +47,7 @@ struct TexelData {
                                      const InversionTables& tables, std::span<const double> start,
                                      double robust_limit);
 
-/// Their covariance: the inverse of the matrix of second derivatives there.
+/// Covariance of the coordinates: the inverse of the matrix of second derivatives there.
 [[nodiscard]] TexelMatrix texel_covariance(LocalModel& model, const TexelData& data,
                                            const InversionTables& tables,
                                            std::span<const double> coordinates,

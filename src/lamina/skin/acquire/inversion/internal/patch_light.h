@@ -12,7 +12,7 @@
 
 namespace lamina::detail {
 
-/// What the images of a capture show of skin of given coordinates, with light that travels
+/// Images of a capture by skin of given coordinates, with light that travels
 /// sideways; and derivatives of it. Counts what it costs.
 class PatchLight {
  public:
@@ -24,7 +24,7 @@ class PatchLight {
 
   /// The images, [image]. @param coordinates  [number]
   [[nodiscard]] TexelMaps images(const TexelMaps& coordinates);
-  /// What they change by when the coordinates of the last `images` do.
+  /// Tangent product: change of the last `images` by a change of the coordinates.
   [[nodiscard]] TexelMaps change(const TexelMaps& coordinate_change);
   /// From derivatives of a number by the images to those by the coordinates.
   [[nodiscard]] TexelMaps gradient(const TexelMaps& by_images);

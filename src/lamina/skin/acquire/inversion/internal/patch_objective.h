@@ -16,7 +16,7 @@ struct PatchState {
   double residual = 0.0, in_deviations = 0.0;  ///< as in InversionStep
 };
 
-/// What an inversion makes least (patch_inversion.h), its gradient and the matrix of its
+/// Objective of an inversion (patch_inversion.h), its gradient and the matrix of its
 /// Gauss-Newton steps.
 class PatchObjective {
  public:
@@ -30,19 +30,19 @@ class PatchObjective {
   [[nodiscard]] GridSize size() const { return {capture_.width, capture_.height}; }
 
   [[nodiscard]] PatchState state(TexelMaps coordinates) const;
-  /// The same with images that are known.
+  /// State with images that are known.
   [[nodiscard]] PatchState state(TexelMaps coordinates, TexelMaps images) const;
   /// The state's objective, with other smoothness than it was made with.
   void weigh_again(PatchState& state) const { state.objective = objective(state); }
 
-  /// Of the state that was made last.
+  /// Gradient of the state that was made last.
   [[nodiscard]] TexelMaps gradient(const PatchState& state) const;
   /// Takes a state, which is made last, as the one whose matrix is asked for.
   void linearize(const PatchState& state);
   /// The matrix of second derivatives, of first ones of the light alone, times a change.
   [[nodiscard]] TexelMaps times_matrix(const TexelMaps& change) const;
 
-  /// What was measured, [image]; 0 where not known.
+  /// Measured images, [image]; 0 where not known.
   [[nodiscard]] const TexelMaps& measured() const { return measured_; }
   /// Inverse covariance of the prior as each texel has it: smoothness ties texels to one skin, of
   /// which the prior then is as a whole.

@@ -11,9 +11,9 @@
 
 namespace lamina::detail {
 
-/// What leaves reflect and transmit by their absorption and structure, on a regular grid of their
-/// logarithms with cubics between: LeafTotalsTable for pixels, ten times as quick or more, within
-/// 2e-4 of it (tests).
+/// Reflectance and transmittance of leaves by their absorption and structure, on a regular grid of
+/// their logarithms with cubics between: LeafTotalsTable for pixels, ten times as quick or more,
+/// within 2e-4 of it (tests).
 class LeafLight {
  public:
   /// @param leaf             for its palisade share
@@ -26,7 +26,7 @@ class LeafLight {
     std::array<double, 2> by_absorption, by_structure;  ///< of reflectance and transmittance
   };
 
-  /// What lies out of the range counts as its nearest place.
+  /// Value at a place. Places out of the range count as its nearest place.
   [[nodiscard]] Value at(double absorption, double structure) const;
 
   static constexpr double least_structure = 0.3, most_structure = 10.0;

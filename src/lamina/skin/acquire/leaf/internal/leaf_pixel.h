@@ -30,7 +30,7 @@ struct LeafPixelModel {
   [[nodiscard]] std::size_t size() const { return parameters.size(); }
 };
 
-/// What a pixel with these coordinates reflects.
+/// Prediction of a pixel with these coordinates.
 struct LeafPrediction {
   std::vector<double> reflectance;             ///< [band]
   std::vector<LeafCoordinates> by_coordinate;  ///< [band]

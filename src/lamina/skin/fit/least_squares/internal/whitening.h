@@ -15,7 +15,7 @@ class Whitening {
   /// @throws InvalidInput as fit_parameters.
   explicit Whitening(const FitData& data);
 
-  /// What is left of the measurement.
+  /// Residual of the measurement.
   [[nodiscard]] std::vector<double> residual(std::span<const double> prediction) const;
 
   /// Each column of a matrix whose rows are those of the data.

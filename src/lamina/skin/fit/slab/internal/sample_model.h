@@ -12,7 +12,7 @@
 
 namespace lamina::fit_detail {
 
-/// What a sample is made of.
+/// Coefficients of a sample.
 struct SampleCoefficients {
   double sigma_a = 0.0, sigma_s_prime = 0.0, g = 0.0;
 };

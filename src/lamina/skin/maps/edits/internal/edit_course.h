@@ -61,7 +61,7 @@ void drop_deviation(Course& course, const SkinNumber& number);
 /// Sets a number to what is wanted, as far as the mask and the strength go.
 void put(Course& course, const SkinNumber& number, const Image& before, const Image& wanted);
 
-/// The same of its coordinates.
+/// Sets the coordinates of a number.
 void put_coordinates(Course& course, const SkinNumber& number, const Image& before,
                      const Image& coordinates);
 

@@ -15,7 +15,7 @@ struct SkinNumber {
   Of of = Of::skin;
   double SkinParameters::*parameter = nullptr;
   std::size_t ink = 0;
-  /// Its name in files, its range, and the coordinate in which it is blended: logarithm of amounts,
+  /// Range and coordinate of a number, in which it is blended: logarithm of amounts,
   /// logit of shares. An amount within the offset of none counts linearly.
   FitParameter coordinate;
 

@@ -14,8 +14,9 @@ struct NarrowestLobe {
   double roughness = 0.0;
 };
 
-/// Of light that meets two boundaries, a rough one at least, with nothing to scatter it in between.
-/// All other light meets facets before or after something smooth, and needs no resolution.
+/// Narrowest lobe of light that meets two boundaries, a rough one at least, with nothing to scatter
+/// it in between. All other light meets facets before or after something smooth, and needs no
+/// resolution.
 ///
 /// Through facets of slope s a direction's p changes by s times the difference of the indices, so
 /// the lobe in p is as a Gaussian of standard deviation alpha |n1 - n2|, which a grid of n nodes

@@ -47,7 +47,7 @@ struct SingleFacet {
 [[nodiscard]] SingleFacet single_facet(const GridStack& stack, std::size_t beam, std::size_t out,
                                        bool leaves_above);
 
-/// Its radiance outside per irradiance [1/sr]; `phi` is the azimuth, 0 is forward.
+/// Radiance outside per irradiance [1/sr]; `phi` is the azimuth, 0 is forward.
 [[nodiscard]] double facet_radiance(const GridStack& stack, const SingleFacet& facet,
                                     std::size_t beam, std::size_t out, bool leaves_above,
                                     double phi);

@@ -69,7 +69,7 @@ class Dense {
       std::fill_n(values_.get() + j * column_ + end, column_ - end, 0.0);
     std::fill_n(values_.get() + size_, lanes(), 0.0);
   }
-  /// The same number in all elements.
+  /// Fills all elements with one number.
   void fill(double factor) {
     for (std::size_t j = 0; j < columns_; ++j)
       std::fill_n(element(0, j), rows_ * Kind::element_size(), factor);

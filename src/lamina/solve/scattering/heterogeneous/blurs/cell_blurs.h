@@ -56,7 +56,7 @@ template <int N, class Coefficient>
   return sum;
 }
 
-/// What several operators make of light: as `apply_operators` does on a grid.
+/// Applies several operators to light, as `apply_operators` does on a grid.
 ///
 /// @param basis  a value for each cell.
 template <int N>

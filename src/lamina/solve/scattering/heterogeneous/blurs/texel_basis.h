@@ -33,7 +33,7 @@ template <class T>
 [[nodiscard]] PlaneOf<T> times_basis(const TexelBasisOf<T>& basis, const PlaneOf<T>& plane,
                                      std::type_identity_t<std::span<const T>> coefficients);
 
-/// The same, and its derivative by the coordinate.
+/// Plane, and its derivative by the coordinate.
 ///
 /// @param basis  without modes
 template <class T>

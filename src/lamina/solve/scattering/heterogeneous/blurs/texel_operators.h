@@ -24,7 +24,7 @@ using MappedOperator = MappedOperatorOf<float>;
 template <class T>
 using MappedOperators = std::span<const MappedOperatorOf<T>* const>;
 
-/// What several operators make of a plane: operator o gives at texel x
+/// Applies several operators to a plane: operator o gives at texel x
 ///
 ///     sum over scales and terms of weights_o[term][scale] basis_term(x) (blur_scale input)(x).
 ///
@@ -36,8 +36,8 @@ template <class T>
     const std::type_identity_t<TexelBasisOf<T>>& basis,
     std::type_identity_t<MappedOperators<T>> operators);
 
-/// The same, and the derivative of each by the coordinate of the texel where light comes out; empty
-/// where it is 0.
+/// Applies operators, with the derivative of each by the coordinate of the texel where light comes
+/// out; empty where it is 0.
 ///
 /// @param basis  without modes
 template <class T>

@@ -33,7 +33,7 @@ template <class N>
       [&](std::size_t j) { return here.junction[j]; });
 }
 
-/// What goes down at each junction of light that goes up there.
+/// Light that goes down at each junction, of light that goes up there.
 template <class N>
 [[nodiscard]] PerJunctionOf<N> light_down(const LocalLayersOf<N>& here,
                                           const PerJunctionOf<N>& up) {

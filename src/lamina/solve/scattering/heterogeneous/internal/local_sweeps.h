@@ -16,7 +16,7 @@ inline constexpr std::size_t most_junctions = 7;
 template <class T>
 using Sweep = std::array<std::array<T, most_junctions>, most_junctions>;
 
-/// What one sweep up and down makes of light that goes down at n junctions; [to][from].
+/// Result of one sweep up and down for light that goes down at n junctions; [to][from].
 ///
 /// @param total     (layer, operator) -> its total
 /// @param junction  (j) -> what a crossing leaves

@@ -8,7 +8,7 @@
 
 namespace lamina::detail {
 
-/// What operators of a layer make of light, [operator], on texels of a plane or cells of a surface:
+/// Light by operators of a layer, [operator], on texels of a plane or cells of a surface:
 /// those of the exit, or the sum over what both ends give (both_ends.h).
 ///
 /// @param layer     TransportLayer or one like it: `operators`, and `of_entry` with `factor` and

@@ -40,7 +40,7 @@ class Tape {
   void record(std::function<void()> back, std::function<void()> ahead) {
     steps_.push_back({std::move(back), std::move(ahead)});
   }
-  /// The same of a plane that follows another texel by texel.
+  /// Records a plane that follows another texel by texel.
   /// @param slope  (texel) -> derivative of `out` by `in` there
   template <class Slope>
   void record_by_texel(TapedPlane in, TapedPlane out, const Slope& slope) {

@@ -15,14 +15,15 @@
 
 namespace lamina {
 
-/// What the totals of the operators are scaled to.
+/// Totals that the operators are scaled to.
 enum class OperatorTotals {
   diffusion,           ///< those of the closed form itself
   radiative_transfer,  ///< by adding-doubling
-  /// The same, and the first layer's R+ is such that the whole stack has the profile of radiative
-  /// transfer, for every absorption of the first layer and the reference absorption of those below
+  /// Totals by radiative transfer, and the first layer's R+ is such that the whole stack has the
+  /// profile of radiative transfer, for every absorption of the first layer and the reference
+  /// absorption of those below
   radiative_transfer_profile,
-  /// As `radiative_transfer`, of light that arrives evenly from all directions; in no file
+  /// Totals by `radiative_transfer`, of light that arrives evenly from all directions; in no file
   radiative_transfer_diffuse
 };
 
@@ -51,7 +52,7 @@ struct GaussianTableGrid {
 /// The states at which a layer is solved: its own, or all absorptions of a grid.
 [[nodiscard]] StateLattice lattice_of(const MappedLayer& layer, const GaussianTableGrid& grid);
 
-/// What the layers between which a layer lies are while it varies: its own middle state, or the
+/// Layers between which a layer lies while it varies: its own middle state, or the
 /// absorption given [1/mm].
 [[nodiscard]] LayerState reference_state(const MappedLayer& layer, double sigma_a);
 
@@ -111,7 +112,7 @@ inline constexpr double highest_fitted_frequency = 200.0;
                                             const GaussianTableGrid& grid = {},
                                             const Progress& progress = {});
 
-/// The same, kept in a cache between runs.
+/// Stack tables, kept in a cache between runs.
 [[nodiscard]] StackTables cached_stack_tables(const std::optional<DiskCache>& cache,
                                               const MappedStack& stack, OperatorTotals totals,
                                               std::span<const double> reference_sigma_a = {},

@@ -34,7 +34,7 @@ struct MappedStack {
   MicrofacetDistribution distribution = MicrofacetDistribution::beckmann;  ///< of a rough surface
 };
 
-/// The same layers lit from below; there is no ground.
+/// Layers lit from below; there is no ground.
 [[nodiscard]] inline MappedStack flipped(MappedStack stack) {
   assert(stack.ground_reflectance == 0.0);
   std::ranges::reverse(stack.layers);

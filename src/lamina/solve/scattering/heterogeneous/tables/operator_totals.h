@@ -27,7 +27,7 @@ using LayerTotals = std::array<std::vector<double>, 4>;
     const MappedStack& stack, std::span<const StateLattice> lattices,
     std::span<const LayerState> reference, bool is_lit_evenly, const Progress& progress);
 
-/// What the top and the bottom boundary of a layer turn back from inside.
+/// Reflectances of the top and the bottom boundary of a layer from inside.
 /// @param roughness  of the lit surface, if the layer is the first
 [[nodiscard]] std::pair<double, double> boundary_reflectances(const MappedStack& stack,
                                                               std::size_t layer,

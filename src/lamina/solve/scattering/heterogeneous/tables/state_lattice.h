@@ -10,7 +10,7 @@
 
 namespace lamina {
 
-/// What a layer is made of at one place, in one band; its index is the same everywhere.
+/// State of a layer at one place, in one band; its index is the same everywhere.
 struct LayerState {
   double sigma_a = 0.0;                                        ///< [1/mm]
   double sigma_s = 0.0;                                        ///< [1/mm]

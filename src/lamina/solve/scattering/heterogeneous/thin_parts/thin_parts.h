@@ -49,7 +49,7 @@ template <int N>
                                            std::span<const Vec3f> normals,
                                            std::span<const ThinBand> bands);
 
-/// What comes up through the last layer.
+/// Light that comes up through the last layer.
 /// @param down  [cell], light that has come down to it
 template <int N>
 [[nodiscard]] CellField<N> pass_through(const CellGraph& graph, const ThinParts<N>& thin,

@@ -135,7 +135,7 @@ HWY_INLINE std::array<V, Count> phases(const FirstOrderStack<S>& stack,
   return sums;
 }
 
-/// What the event has to do with the two beams: factors of the phase function for light that turns
+/// Turns of the two beams at the event: factors of the phase function for light that turns
 /// back, and for light that goes on into the same hemisphere.
 template <class V>
 struct Turns {

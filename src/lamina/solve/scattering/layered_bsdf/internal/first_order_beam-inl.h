@@ -56,8 +56,8 @@ void refract(const FirstOrderStack<S>& stack, StackBeam<S>& beam,
   }
 }
 
-/// The same where all bands share their directions: the lanes are media then, from the top, not
-/// bands.
+/// Refracts once where all bands share their directions: the lanes are media then, from the top,
+/// not bands.
 template <int N>
 void refract_once(const FirstOrderStack<BandValues<N>>& stack, StackBeam<BandValues<N>>& beam,
                   InlineVector<Crossing<BandLanes<N>>, 5>& crossings) {

@@ -41,7 +41,7 @@ struct FacetBeams {
   double by_one_facet = 0.0;                  ///< of what is transmitted
 };
 
-/// Which of the two directions of a pair. Together their facets are a lattice in four dimensions.
+/// Index of a direction in a pair. Together their facets are a lattice in four dimensions.
 enum class OfPair { first, second };
 
 /// @param toward  unit vector away from the stack, z > 0.
@@ -56,7 +56,7 @@ void turn(FacetBeams& light, double phi);
 /// Radiance leaving per irradiance [1/sr] by the surface alone, whatever facets the light meets.
 [[nodiscard]] double surface_brdf(const RoughTop& top, const FacetBeams& in, const FacetBeams& out);
 
-/// The same of light that crosses the surface and is scattered once, or not at all. `in` is the
+/// BSDF of light that crosses the surface and is scattered once, or not at all. `in` is the
 /// first of the pair.
 [[nodiscard]] double volume_bsdf(const RoughTop& top, const FacetBeams& in, const FacetBeams& out);
 [[nodiscard]] double volume_bsdf(const RoughTop& top, const FacetBeams& in,

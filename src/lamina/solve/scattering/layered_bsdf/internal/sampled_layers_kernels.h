@@ -5,7 +5,7 @@
 
 namespace lamina {
 
-/// What SampledLayers does, for one instruction set.
+/// Kernels of SampledLayers for one instruction set.
 template <int N>
 struct SampledLayersKernels {
   void (*look)(const FirstOrderStack<BandValues<N>>& stack, const HigherOrderBands<N>* higher,

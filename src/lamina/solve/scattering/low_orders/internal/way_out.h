@@ -47,7 +47,7 @@ inline double power(double base, int exponent) {
   return result;
 }
 
-/// What the layers that it crosses and the interfaces leave of it.
+/// Transmittance of the layers and interfaces that it crosses.
 inline double through(const GridStack& stack, const WayOut& way, double p) {
   double optical_depth = 0.0;
   for (std::size_t l = 0; l < way.crossings.size(); ++l)

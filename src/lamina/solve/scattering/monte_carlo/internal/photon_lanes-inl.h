@@ -215,7 +215,7 @@ class Walker {
     return false;
   }
 
-  /// What the photon leaves in its layer counts when it goes from there.
+  /// Adds the weight that the photon leaves in its layer when it goes from there.
   void leave_layer(PhotonLanes& p, std::size_t group, std::size_t i, float weight) {
     const std::size_t layer = (group * max_lanes + i) * static_cast<std::size_t>(scene_.layers) +
                               static_cast<std::size_t>(p.layer[i]);
@@ -415,7 +415,7 @@ class Walker {
       if (is_in_detector(r, k)) add(layout.detector + k, w);
   }
 
-  /// What is known of light that leaves by its paths in the layers [mm].
+  /// Tallies the paths in the layers [mm] of light that leaves.
   void tally_flight(const float* path, float w, std::size_t side, float r) {
     const PhotonLayout& layout = plan_.layout;
     const PhotonTallies& t = plan_.tallies;

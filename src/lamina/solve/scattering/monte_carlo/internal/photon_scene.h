@@ -10,7 +10,7 @@
 
 namespace lamina::photon {
 
-/// What the kernel needs to know of stack and light: flat tables in single precision.
+/// Stack and light as the kernel needs them: flat tables in single precision.
 struct Scene {
   // [layer]
   std::vector<float> mfp;        ///< mean free path [mm]; clear layers: 1e30
@@ -69,7 +69,7 @@ inline constexpr int volume_scale = 44;
 inline constexpr int volume_square_scale = 60;
 inline constexpr std::uint64_t largest_batch = 1u << 17;  ///< sums then stay below 2^62
 
-/// What the kernel needs to know of the tallies.
+/// Tallies as the kernel needs them.
 struct TallyPlan {
   PhotonLayout layout;
   PhotonTallies tallies;

@@ -25,7 +25,7 @@ struct LayerEquation {
                                                                std::size_t index,
                                                                std::span<const double> frequencies);
 
-/// The same at one frequency, with derivatives.
+/// Layer at one frequency, with derivatives.
 [[nodiscard]] DifferentiatedLayer differentiate_layer_at(const DifferentiatedSolver& differentiated,
                                                          std::size_t index, double k);
 

@@ -18,7 +18,7 @@ struct ArrivingLight {
 [[nodiscard]] ArrivingLight arriving_light(const FrequencySolver& solver,
                                            Illumination illumination);
 
-/// What the states outside weigh in the flux that leaves: mode 0 in all directions but the beams'.
+/// Weights of the states outside in the flux that leaves: mode 0 in all directions but the beams'.
 ///
 /// @param ior  above or below.
 [[nodiscard]] std::vector<double> weights_of_flux(const FrequencySolver& solver, double ior);
@@ -26,7 +26,7 @@ struct ArrivingLight {
 [[nodiscard]] FrequencyResponse leaving_flux(const FrequencySolver& solver,
                                              const StackAtFrequency& at, std::vector<double> state);
 
-/// The same over what arrives, less what the top throws back.
+/// Response over what arrives, less what the top throws back.
 [[nodiscard]] FrequencyResponse response_to(const FrequencySolver& solver,
                                             const StackAtFrequency& at,
                                             const ArrivingLight& arriving);

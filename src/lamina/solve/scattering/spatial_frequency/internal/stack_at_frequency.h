@@ -22,7 +22,7 @@ struct StackAtFrequency {
 [[nodiscard]] Covered cover_by_interface(const FrequencySolver& solver, std::size_t index,
                                          Matrix below);
 
-/// What the ground sends back, in mode 0.
+/// Reflection of the ground, in mode 0.
 [[nodiscard]] Matrix ground_reflection(const FrequencySolver& solver);
 
 }  // namespace lamina::detail

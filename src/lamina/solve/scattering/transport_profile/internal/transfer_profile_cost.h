@@ -7,7 +7,7 @@
 
 namespace lamina::detail {
 
-/// What the coarsest profile of some stacks takes, all bands: finer ones take more.
+/// Cost of the coarsest profile of some stacks, all bands: finer ones take more.
 struct SolutionCost {
   double seconds = 0.0;  ///< of one processor core with AVX-512, within a factor 2
   double mebibytes = 0.0;

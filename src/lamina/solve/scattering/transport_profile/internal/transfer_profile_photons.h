@@ -14,7 +14,7 @@
 
 namespace lamina::detail {
 
-/// What waves say of a band, and by what it may be wrong: curves that hold what the last step of
+/// Profile of a band by waves, and by what it may be wrong: curves that hold what the last step of
 /// each refinement changed, times what is left of it, with their signs.
 struct WaveProfile {
   ProfileCurves profile, error;  ///< per radius of a plan; the error without sign

@@ -51,7 +51,7 @@ inline constexpr std::array<double, finest_scales> finest_variances = {0.0, 0.25
                                                                        1.0, 2.0,  4.0};
 inline constexpr std::array<double, 2> coarse_variances = {2.0, 4.0};
 
-/// What a step to a grid `ratio` times as coarse, or back, adds to the variance, in finer texel²:
+/// Variance that a step to a grid `ratio` times as coarse, or back, adds, in finer texel²:
 /// that of the hats plus that of a fine texel.
 [[nodiscard]] constexpr double step_variance(double ratio) {
   return ratio * ratio / 6.0 + 1.0 / 12.0;

@@ -22,14 +22,14 @@ struct BlurKernels {
   /// before_r .. centre .. after_r.
   void (*combine_rows)(Rows rows, std::span<const float> taps, T* sum, std::size_t size);
 
-  /// The same along a framed row, which reaches taps.size() - 1 <= frame to either side.
+  /// Convolves along a framed row, which reaches taps.size() - 1 <= frame to either side.
   void (*convolve_row)(Row row, std::span<const float> taps, T* result, std::size_t size);
 
   /// sum[x] += row[x] * polynomial(coordinate[x]).
   void (*add_times_polynomial)(Row row, Row coordinate, std::span<const T> coefficients, T* sum,
                                std::size_t size);
 
-  /// The same, and slope[x] += row[x] * polynomial'(coordinate[x]).
+  /// Adds as add_times_polynomial, and slope[x] += row[x] * polynomial'(coordinate[x]).
   void (*add_times_polynomial_and_slope)(Row row, Row coordinate, std::span<const T> coefficients,
                                          T* sum, T* slope, std::size_t size);
 
@@ -53,14 +53,14 @@ struct BlurKernels {
   /// sum[x] += sum over p of coordinate[x]^p rows[p][x].
   void (*add_polynomial)(Rows rows, Row coordinate, T* sum, std::size_t size);
 
-  /// The same, and slope[x] += sum over p of p coordinate[x]^(p-1) rows[p][x].
+  /// Adds as add_polynomial, and slope[x] += sum over p of p coordinate[x]^(p-1) rows[p][x].
   void (*add_polynomial_and_slope)(Rows rows, Row coordinate, T* sum, T* slope, std::size_t size);
 
   /// sum[x] += sum over p of modes[p][x] rows[p][x]; at least as many modes as rows.
   void (*add_products)(Rows rows, Rows modes, T* sum, std::size_t size);
 };
 
-/// Those of the processor.
+/// Kernels of the processor.
 template <class T>
 [[nodiscard]] const BlurKernels<T>& blur_kernels();
 

@@ -10,8 +10,8 @@
 
 namespace lamina::detail {
 
-/// What a whole stack reflects of light entering as J0(k r), over what it reflects at k = 0, by
-/// radiative transfer; [node of the first layer's lattice][k]. The layers below are at their
+/// Shapes of what a whole stack reflects of light entering as J0(k r), over what it reflects at k =
+/// 0, by radiative transfer; [node of the first layer's lattice][k]. The layers below are at their
 /// reference states.
 ///
 /// Solved for at most 8 states along one axis, 4 along each of two and 3 along each of more; of

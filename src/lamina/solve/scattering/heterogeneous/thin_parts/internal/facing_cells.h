@@ -50,7 +50,7 @@ struct FacingPair {
 /// Source: [DonnerJensen2005] Eq. 27 for the blend of wedges; docs/subsurface_texture_space.md.
 [[nodiscard]] FacingPair facing_pair(const FacingCell& to, const FacingCell& from);
 
-/// Which cells of a surface see each other through the body. Far cells are coarse: the farther, the
+/// Cells of a surface that see each other through the body. Far cells are coarse: the farther, the
 /// coarser.
 struct FacingCells {
   std::size_t level = 0;              ///< of the graph: the cells that take light

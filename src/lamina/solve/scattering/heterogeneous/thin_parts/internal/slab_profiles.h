@@ -9,7 +9,7 @@
 
 namespace lamina::detail {
 
-/// What the last layer of a stack does with even light where it is a slab between two coats.
+/// Response of the last layer of a stack to even light where it is a slab between two coats.
 struct SlabResponse {
   double transmittance;
   double reflectance;  ///< over that of a half-space
@@ -70,7 +70,7 @@ class SlabProfiles {
   /// @param opening    squared cosine of half the angle between the normals of its faces: 0 if they
   ///                   are parallel, 1/2 at an edge of 90°
   [[nodiscard]] BandValues<N> transmittance(float thickness, float lateral2, float opening) const;
-  /// The same of light that a half-space reflects at a distance.
+  /// Reflectance of a half-space at a distance.
   [[nodiscard]] BandValues<N> reflectance(float distance2) const;
 
  private:
