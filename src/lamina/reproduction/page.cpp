@@ -169,11 +169,6 @@ std::string counts_text(std::span<const ReproductionResult> results) {
 
 }  // namespace
 
-std::string paper_title(std::string_view paper) {
-  const auto found = std::ranges::find(papers, paper, &Paper::name);
-  return std::string(found == papers.end() ? paper : found->title);
-}
-
 std::string format_page(std::span<const ReproductionResult> results, ReproductionQuality quality) {
   std::string html =
       "<h1>The five papers, made again</h1><p>" + counts_text(results) +

@@ -3,15 +3,11 @@
 
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "lamina/base/io/json_output.h"
 #include "lamina/reproduction/run_item.h"
 
 namespace lamina {
-
-/// Names of the papers as people say them: "Donner & Jensen 2005".
-[[nodiscard]] std::string paper_title(std::string_view paper);
 
 /// All results as one HTML page that needs nothing else: plots, pictures, checks, inputs and
 /// commands, by paper.

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scene/mesh/files/mesh_file.h"
 #include "lamina/scene/mesh/mesh.h"
 #include "lamina/scene/mesh/mesh_orientation.h"

@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scene/mesh/files/mesh_file.h"
 #include "lamina/scene/mesh/mesh.h"
 #include "lamina/scene/mesh/mesh_orientation.h"

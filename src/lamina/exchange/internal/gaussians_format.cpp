@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lamina/base/core/bracketed_root.h"
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
 #include "lamina/exchange/internal/shared_gaussians.h"
@@ -38,12 +39,9 @@ LineKernel line_kernel(const SharedGaussians& sums, int taps_per_side) {
         sum += sums.weights[c][i] * 2.0 * part_below(-x, sums.variances[i]);
       return sum;
     };
-    double low = 0.0, high = 10.0 * std::sqrt(sums.variances.back());
-    for (int step = 0; step < 60; ++step) {
-      const double middle = 0.5 * (low + high);
-      (beyond(middle) > flux_beyond * total ? low : high) = middle;
-    }
-    range = std::max(range, high);
+    const double widest = 10.0 * std::sqrt(sums.variances.back());
+    const auto excess = [&](double x) { return beyond(x) - flux_beyond * total; };
+    range = std::max(range, falling_root(excess, 0.0, widest, 1e-9 * total).place);
   }
   LineKernel kernel;
   for (int i = -taps_per_side; i <= taps_per_side; ++i) {

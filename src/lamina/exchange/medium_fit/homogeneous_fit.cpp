@@ -6,9 +6,9 @@
 #include <functional>
 #include <utility>
 
+#include "lamina/base/core/bracketed_root.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
-#include "lamina/exchange/medium_fit/internal/half_space_albedo.h"
 #include "lamina/skin/fit/slab/slab_inversion.h"
 #include "lamina/solve/reflectance/material_totals.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
@@ -81,6 +81,32 @@ Profile channel_of(const Profile& profile, std::size_t channel) {
 
 RadialGrid grid_of(const Profile& profile) {
   return {.first = profile.r.front(), .last = profile.r.back(), .size = profile.r.size()};
+}
+
+struct HalfSpaceAlbedo {
+  double albedo_prime = 0.0;  ///< reduced
+  double reflectance = 0.0;   ///< that it has
+  bool is_met = false;        ///< that is the one wanted, within 1e-5
+};
+
+/// The reduced albedo of a half-space that returns the wanted fraction of diffuse light, its first
+/// reflection left out, by adding-doubling: for totals that are printed to five digits, of any
+/// index and mean cosine. HalfSpaceColor answers the same question from its table in microseconds,
+/// within .1 % and for what a HalfSpaceLook may be.
+HalfSpaceAlbedo half_space_albedo(double reflectance, double g, double ior, double ior_above) {
+  // The reflectance falls nearly along a straight line in u = sqrt(1 - albedo').
+  const auto excess = [&](double u) {
+    const LayerStack stack(
+        {{.medium = {.sigma_a = u * u, .sigma_s = (1.0 - u * u) / (1.0 - g), .g = g, .ior = ior}}},
+        ior_above, ior);
+    const auto found = adding_doubling(stack, {.is_diffuse = true}, {.accuracy = 1e-6});
+    return found.totals.diffuse_reflectance - reflectance;
+  };
+  // Half-spaces that absorb less than a 1e-8th never end.
+  const auto [u, residual] = falling_root(excess, 1e-4, 0.9999, 2e-6);
+  return {.albedo_prime = 1.0 - u * u,
+          .reflectance = reflectance + residual,
+          .is_met = std::abs(residual) < 1e-5};
 }
 
 /// The medium of a half-space whose total is that of a channel and whose profile is as asked.

@@ -7,7 +7,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina {
 namespace {

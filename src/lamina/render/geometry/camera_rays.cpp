@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "lamina/base/core/error.h"
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina {
 namespace {

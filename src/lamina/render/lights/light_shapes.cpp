@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "lamina/base/core/float_pi.h"
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina {
 

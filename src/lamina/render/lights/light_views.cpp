@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "lamina/base/core/float_pi.h"
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/render/lights/internal/environment.h"
 #include "lamina/render/lights/internal/light_shapes.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "lamina/base/core/float_pi.h"
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/layers/optics/rough/gaussian_surface.h"
 #include "lamina/layers/optics/rough/multiple_scattering.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "lamina/base/core/number_text.h"
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/base/image/bilinear.h"
 #include "lamina/base/image/map_description.h"
 #include "lamina/base/io/files_read.h"

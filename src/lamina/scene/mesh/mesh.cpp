@@ -11,7 +11,7 @@
 #include "lamina/base/core/checked_size.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scene/mesh/mesh_holes.h"
 #include "lamina/scene/mesh/mesh_orientation.h"
 #include "lamina/scene/mesh/mesh_subdivision.h"

@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scene/mesh/mesh_shapes.h"
 
 namespace lamina {

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scene/mesh/mesh_edges.h"
 
 namespace lamina {

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <set>
 
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scene/mesh/mesh_edges.h"
 #include "lamina/scene/mesh/mesh_orientation.h"
 

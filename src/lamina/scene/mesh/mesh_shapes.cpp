@@ -8,7 +8,7 @@
 #include <initializer_list>
 #include <numbers>
 
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina {
 namespace {

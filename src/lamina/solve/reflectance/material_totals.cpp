@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lamina/base/core/bracketed_root.h"
 #include "lamina/base/core/parallel.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
@@ -36,27 +37,8 @@ double factor_for(const Material& material, std::size_t band, double reflectance
     const LayerStack layers = layer_stack(with_absorptions(material, factor), band);
     return material_totals(layers).reflectance - reflectance;
   };
-  double light = std::log(least_factor), dark = std::log(largest_factor);
-  double at_light = excess(light), at_dark = excess(dark);
-  if (at_light <= 0.0) return least_factor;
-  if (at_dark >= 0.0) return largest_factor;
-  // Regula falsi; an end that stays twice counts half (the Illinois rule).
-  double log_factor = light, last = 0.0;
-  for (int step = 0; step < 60; ++step) {
-    log_factor = (light * at_dark - dark * at_light) / (at_dark - at_light);
-    const double value = excess(log_factor);
-    if (std::abs(value) < 1e-6) break;
-    const bool is_same_side = value * last > 0.0;
-    last = value;
-    if (value > 0.0) {
-      light = log_factor, at_light = value;
-      if (is_same_side) at_dark *= 0.5;
-    } else {
-      dark = log_factor, at_dark = value;
-      if (is_same_side) at_light *= 0.5;
-    }
-  }
-  return std::exp(log_factor);
+  return std::exp(
+      falling_root(excess, std::log(least_factor), std::log(largest_factor), 1e-6).place);
 }
 
 }  // namespace

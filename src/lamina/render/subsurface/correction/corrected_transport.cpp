@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/render/subsurface/correction/internal/sampled_places.h"
 #include "lamina/render/subsurface/mean_ior.h"
 #include "lamina/render/subsurface/media/quiet_layers.h"

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <utility>
 
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/render/subsurface/layered_bsdf/layered_material.h"
 #include "lamina/solve/scattering/layered_bsdf/first_order.h"
 #include "lamina/solve/scattering/layered_bsdf/layered_walk.h"

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "lamina/base/core/bracketed_root.h"
 #include "lamina/solve/reflectance/material_totals.h"
 
 namespace lamina {
@@ -97,14 +98,9 @@ double AbsorptionSeries::factor(double reflectance, std::size_t band) const {
     const double s = 1.0 - t;
     return s * s * ((1.0 + 2.0 * t) * y0 + t * m0) + t * t * ((1.0 + 2.0 * s) * y1 - s * m1);
   };
-  double low = 0.0, high = 1.0;
-  if (wanted <= y0) high = 0.0;
-  if (wanted >= y1) low = 1.0;
-  for (int round = 0; round < 24 && low < high; ++round) {
-    const double middle = 0.5 * (low + high);
-    (cubic(middle) < wanted ? low : high) = middle;
-  }
-  return std::exp(log_factors_[i] + 0.5 * (low + high) * step);
+  const double t =
+      falling_root([&](double at) { return wanted - cubic(at); }, 0.0, 1.0, 1e-9).place;
+  return std::exp(log_factors_[i] + t * step);
 }
 
 }  // namespace lamina

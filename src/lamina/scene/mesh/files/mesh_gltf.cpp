@@ -10,7 +10,7 @@
 #include "lamina/base/core/checked_size.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scene/mesh/files/internal/gltf_data.h"
 #include "lamina/scene/mesh/files/internal/gltf_materials.h"
 #include "lamina/scene/mesh/files/mesh_file.h"

@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scene/mesh/mesh_edges.h"
 
 namespace lamina {

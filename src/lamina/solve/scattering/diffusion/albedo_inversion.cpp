@@ -1,6 +1,9 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/solve/scattering/diffusion/albedo_inversion.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/solve/scattering/diffusion/dipole.h"
@@ -13,16 +16,13 @@ Medium unit_medium(double albedo_prime, double ior) {
   return {.sigma_a = 1.0 - albedo_prime, .sigma_s = albedo_prime, .g = 0.0, .ior = ior};
 }
 
-/// The frequency at which a falling spectrum is half of what it is at 0, by bisection of its log.
+/// The frequency at which a falling spectrum is half of what it is at 0.
 template <class Spectrum>
 double half_frequency(const Spectrum& spectrum) {
-  const double half = 0.5 * spectrum(0.0);
-  double low = std::log(1e-12), high = std::log(1e12);
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (spectrum(std::exp(middle)) > half ? low : high) = middle;
-  }
-  return std::exp(0.5 * (low + high));
+  const double at_0 = spectrum(0.0);
+  return std::exp(falling_root([&](double log_k) { return spectrum(std::exp(log_k)) / at_0 - 0.5; },
+                               std::log(1e-12), std::log(1e12), 1e-14)
+                      .place);
 }
 
 void require(bool holds, const char* rule, double given) {

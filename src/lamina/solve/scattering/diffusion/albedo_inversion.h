@@ -1,9 +1,9 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
+#include "lamina/base/core/bracketed_root.h"
 #include "lamina/layers/optics/medium.h"
 #include "lamina/solve/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/solve/scattering/diffusion/layered_diffusion.h"
@@ -17,7 +17,7 @@ struct AlbedoInversion {
   bool converged;       ///< false if no albedo gives so much or so little: then the nearest end
 };
 
-/// Solves model(albedo_prime) = reflectance by Newton steps that are kept inside a bracket.
+/// Solves model(albedo_prime) = reflectance.
 ///
 /// @param model        total reflectance for a reduced albedo in [0, 1], growing with it.
 /// @param reflectance  to be met within 1e-12.
@@ -26,20 +26,9 @@ struct AlbedoInversion {
 /// its slope over the albedo is infinite.
 template <class Model>
 [[nodiscard]] AlbedoInversion invert_albedo(const Model& model, double reflectance) {
-  const auto excess = [&](double u) { return model(1.0 - u * u) - reflectance; };
-  double bright = 0.0, dark = 1.0;  // excess(bright) >= 0 >= excess(dark)
-  const double at_white = excess(bright), at_black = excess(dark);
-  if (at_white <= 0.0) return {1.0, at_white, at_white > -1e-12};
-  if (at_black >= 0.0) return {0.0, at_black, at_black < 1e-12};
-  double u = 0.5, value = excess(u);
-  for (int step = 0; step < 100 && std::abs(value) > 1e-13; ++step) {
-    (value > 0.0 ? bright : dark) = u;
-    const double h = 1e-6 * std::max(u, 1e-3);
-    const double newton = u - value * h / (excess(u + h) - value);
-    u = bright < newton && newton < dark ? newton : 0.5 * (bright + dark);
-    value = excess(u);
-  }
-  return {1.0 - u * u, value, std::abs(value) < 1e-12};
+  const auto [u, residual] =
+      falling_root([&](double at) { return model(1.0 - at * at) - reflectance; }, 0.0, 1.0, 1e-13);
+  return {1.0 - u * u, residual, std::abs(residual) < 1e-12};
 }
 
 /// Inverts the albedo by the dipole, a half-space of index `ior_inside` under `ior_outside`.

@@ -9,7 +9,7 @@
 namespace lamina::detail {
 
 /// Light of an oblique beam that is scattered once and neither before nor after reflected, as
-/// `oblique_response` has it: on the grid, with the azimuths that the modes can tell apart.
+/// `oblique_responses` have it: on the grid, with the azimuths that the modes can tell apart.
 [[nodiscard]] std::vector<FrequencyResponse> oblique_single_on_grid(const FrequencySolver& solver,
                                                                     double k);
 

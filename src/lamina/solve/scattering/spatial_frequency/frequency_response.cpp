@@ -56,10 +56,6 @@ std::vector<std::vector<FrequencyResponse>> oblique_responses(const FrequencySol
   return result;
 }
 
-std::vector<FrequencyResponse> oblique_response(const FrequencySolver& solver, double k) {
-  return oblique_responses(solver, {&k, 1}).front();
-}
-
 std::vector<FrequencyResponse> diffuse_responses(const FrequencySolver& solver,
                                                  std::span<const double> frequencies) {
   return responses_to(solver, Illumination::diffuse, frequencies);

@@ -29,13 +29,10 @@ struct FrequencyResponse {
 [[nodiscard]] std::vector<FrequencyResponse> diffuse_responses(const FrequencySolver& solver,
                                                                std::span<const double> frequencies);
 
-/// Response to a beam from the first oblique direction: scattered light that leaves, [mode]: times
-/// (-1)^m c_m J_m(k r) cos(m phi), summed over the modes and integrated over k, it makes the
-/// profile over the plane. The angle phi starts where the beam goes to. Mode 0 is the response with
-/// azimuth averaged.
-[[nodiscard]] std::vector<FrequencyResponse> oblique_response(const FrequencySolver& solver,
-                                                              double k);
-/// [frequency][mode]
+/// Responses to a beam from the first oblique direction: scattered light that leaves,
+/// [frequency][mode]: times (-1)^m c_m J_m(k r) cos(m phi), summed over the modes and integrated
+/// over k, it makes the profile over the plane. The angle phi starts where the beam goes to. Mode 0
+/// is the response with azimuth averaged.
 [[nodiscard]] std::vector<std::vector<FrequencyResponse>> oblique_responses(
     const FrequencySolver& solver, std::span<const double> frequencies);
 
