@@ -232,7 +232,7 @@ int main() {
   std::printf(
       "// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0\n"
       "// Written by tools/fit/half_space_colors.\n"
-      "#include \"lamina/exchange/albedo_inversion/internal/color_table.h\"\n\n"
+      "#include \"lamina/solve/albedo_inversion/internal/color_table.h\"\n\n"
       "namespace lamina::detail {\nnamespace {\n\n// clang-format off\n");
   print_numbers("color_rows", rows);
   std::printf("\n");
