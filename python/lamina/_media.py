@@ -266,7 +266,7 @@ def sphere_reading(
     :param method: "substitution", or "comparison" by a second beam.
     :raises InvalidInput: naming what cannot be.
 
-    Source: Goebel 1967; Pickering et al. 1993; docs/fit.md.
+    Source: Goebel 1967; Pickering et al. 1993; docs/fit_method.md.
 
     >>> import lamina
     >>> read = lamina.sphere_reading(0.5, diffuse_reflectance=0.5)

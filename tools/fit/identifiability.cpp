@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 // What kinds of measurements tell of a material, every number known to 1 %: standard deviations by
-// the curvature of fits to measurements without noise; the table of docs/fit.md.
+// the curvature of fits to measurements without noise; the table of docs/fit_accuracy.md.
 //
 //   identifiability
 #include <cmath>

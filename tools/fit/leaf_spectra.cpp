@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 // Fits the recipe of leaves, and PROSPECT-D beside it, to reflectance and transmittance of measured
-// leaves; the table of docs/fit.md.
+// leaves; the table of docs/fit_accuracy.md.
 //
 //   leaf_spectra LEAVES.csv PROSPECT.csv [LONGEST]
 //

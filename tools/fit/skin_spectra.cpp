@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-// Fits measured spectra of skin, prints the table of docs/fit.md, and what forearm_population
-// knows, as src/lamina/skin/fit/skin/internal/skin_population_table.h.
+// Fits measured spectra of skin, prints the table of docs/fit_accuracy.md, and what
+// forearm_population knows, as src/lamina/skin/fit/skin/internal/skin_population_table.h.
 //
 //   skin_spectra SPECTRA.csv [TABLE|POPULATION.json] [--others OTHERS.csv]
 //

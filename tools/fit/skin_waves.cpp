@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 // What waves of light tell of two-layer skin: fits of many noisy measurements beside the Cramér-Rao
-// bound, with and without waves; the table of docs/fit.md.
+// bound, with and without waves; the table of docs/fit_accuracy.md.
 //
 //   skin_waves [DRAWS]
 #include <cmath>

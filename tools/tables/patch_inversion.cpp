@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-// The table of docs/acquire.md, "With lateral transport": what each method makes of a synthetic
-// patch, in how many forward equivalents and seconds.
+// The table of docs/acquire_accuracy.md, "With lateral transport": what each method makes of a
+// synthetic patch, in how many forward equivalents and seconds.
 //
 //     patch_inversion [SIZE [SAMPLES [METHOD | noise=SHARE | calibrated]...]]
 //

@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 // A capture whose light is that of photons: the synthetic skin of the tests in six bands, 10 mm
 // with a lit window of 7.5 mm, as OUT.exr (channels "400nm" .., and "se.400nm" .., their standard
-// errors) and OUT_truth.exr (the numbers of the skin). docs/acquire.md has what `lamina acquire`
-// makes of it.
+// errors) and OUT_truth.exr (the numbers of the skin). docs/acquire_accuracy.md has
+// what `lamina acquire` makes of it.
 //
 //   photon_capture SIZE PHOTONS OUT      e.g. 48 2e7 photons, an hour
 //

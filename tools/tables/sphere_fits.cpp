@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 // Slabs between slides, as an integrating sphere with a small port reads them, and what fits find
-// of their coefficients: the table of docs/fit.md. `sphere_fits SLABS`, 30 if not given.
+// of their coefficients: the table of docs/fit_accuracy.md. `sphere_fits SLABS`, 30 if not given.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

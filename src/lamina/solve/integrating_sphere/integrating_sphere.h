@@ -60,7 +60,7 @@ struct SphereReading {
 /// formulas of [Pickering1993] and [Prahl2011] take them for parts of the wall, which differs by
 /// the port's share of the sphere.
 ///
-/// Source: balance of the light in the sphere, docs/fit.md; [Goebel1967], [Pickering1993].
+/// Source: balance of the light in the sphere, docs/fit_method.md; [Goebel1967], [Pickering1993].
 [[nodiscard]] SphereReading reflectance_reading(const IntegratingSphere& sphere,
                                                 const SampleLight& reflected,
                                                 double diffuse_reflectance);
