@@ -4,7 +4,8 @@
 #   RUNS=1000000 tools/fuzz.sh SECONDS ...      ... or until so many runs were made
 # Several at a time. The corpora are those of tests/inputs, and what is found is added to
 # build/fuzz/corpus. Prints a line per target; a crash, a hang (120 s) or more than 2 GiB ends it
-# with 1, and the input is in build/fuzz.
+# with 1, and the input is in build/fuzz: LAMINA_FUZZ_TARGET=obj build/asan/tests/fuzz_targets INPUT
+# runs it again.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source ./setup.sh
@@ -47,7 +48,7 @@ fuzz() {
   esac
   log=build/fuzz/$target.log
   # The library keeps threads for its work, of which one suffices here.
-  if build/asan/tests/"${target}"_fuzz -max_total_time="$seconds" -runs="$RUNS" -timeout=120 \
+  if LAMINA_FUZZ_TARGET=$target build/asan/tests/fuzz_targets -max_total_time="$seconds" -runs="$RUNS" -timeout=120 \
     -rss_limit_mb=2048 -max_len=65536 -artifact_prefix=build/fuzz/"$target"_ -print_final_stats=1 \
     "${folders[@]}" >"$log" 2>&1; then
     awk -v t="$target" '/number_of_executed_units/ {runs = $2} / cov: / {for (i = 1; i < NF; ++i) if ($i == "cov:") cov = $(i + 1)}
