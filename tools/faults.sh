@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the machine fail under the command, at length; docs/reliability.md has what came of it:
+# Makes the machine fail under the command, at length; docs/measurements/reliability.md has the counts:
 #   tools/faults.sh [faults] [kills] [threads]     all three unless named
 # Calls of the system that fail (FIRST of each kind, then LATER at random, 300 each), 200 kills, and
 # 1, 2 and 64 threads.
