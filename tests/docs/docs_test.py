@@ -254,7 +254,14 @@ class Rooms(unittest.TestCase):
             for one in re.findall(r"`([\w/]+)`", room):
                 with self.subTest(one):
                     self.assertTrue((ROOT / "src/lamina" / one).is_dir())
-                    self.assertIn(one.split("/")[0], test_programs()[name])
+                    self.assertTrue(any((one + "/").startswith(folder + "/") for folder in test_programs()[name]))
+
+    def test_every_test_is_in_a_program(self):
+        folders = {folder for program in test_programs().values() for folder in program}
+        for file in (ROOT / "tests").rglob("*_test.cpp"):
+            name = file.relative_to(ROOT / "tests").as_posix()
+            with self.subTest(name):
+                self.assertTrue(any(name.startswith(folder + "/") for folder in folders))
 
 
 class Names(unittest.TestCase):

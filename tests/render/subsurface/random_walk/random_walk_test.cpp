@@ -101,8 +101,8 @@ std::vector<double> albedo_of_ball(const Material& material, double radius, int 
 }
 
 // Jensen's skin1 as a ball of 10 mm in even light, as it is and ten times as dense, by two others:
-// - Photons one by one in an exact sphere (scattering/monte_carlo/ball_photons.h): by six million
-// of them it is
+// - Photons one by one in an exact sphere (solve/scattering/monte_carlo/ball_photons.h): by six
+//   million of them it is
 //   .5447(1) .2399(1) .1220(1), and .4258(1) .2061(1) .1115(1) ten times as dense.
 // - The volumetric path tracer of pbrt-v3: a smooth sphere of index 1.33, not the 1.3 of the
 //   built-in material, of radius 10 mm, with skin1's coefficients, in light of radiance 1 all
