@@ -5,14 +5,15 @@ CONTRIBUTING.md has the test program of each room.
 
 usage: docs_test.py LAMINA ROOT COMPILER [unittest's arguments]
 
-DOCS_PART=1/4 in the environment runs the commands of every fourth page, from the second on; the part 0 has
-all that runs no commands of pages, too.
+DOCS_PART=1/4 in the environment runs the commands of the second of four parts of the pages, and DOCS_PART=pages
+all that runs no commands.
 
 Commands run page by page, in order, in a scratch folder that sees the folders of the checkout; a
 block whose first line is "// NAME.json" or "# NAME.obj", or .csv, is that file there. They run small: see SMALL. What
 cannot run here is named, with its reason, in NOT_RUN; its options are checked all the same.
 """
 import functools
+import hashlib
 import json
 import os
 import pathlib
@@ -27,7 +28,7 @@ import unittest
 
 LAMINA, ROOT, COMPILER = os.path.abspath(sys.argv.pop(1)), pathlib.Path(sys.argv.pop(1)).resolve(), sys.argv.pop(1)
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
-PART, PARTS = map(int, os.environ.get("DOCS_PART", "0/1").split("/"))
+PART, PARTS = map(int, os.environ.get("DOCS_PART", "0/1").replace("pages", "-1/1").split("/"))
 LINKED = ["scenes", "demo", "reproduce"]  # folders of the checkout that commands name
 
 # What a command runs with here, in place of its own number of photons, pixels, samples and radii.
@@ -171,16 +172,82 @@ class Commands(unittest.TestCase):
                             self.assertIn(word.split("=")[0], options_of(words[0]))
 
 
+def commands_of(page):
+    return [" ".join(words) for kind, words, _ in steps(page) if kind == "command"
+            if not any(word in " ".join(words) for word in NOT_RUN)]
+
+
+def parts_of_pages():
+    """Pages by part, about as many commands in each. Pages that make the same maps are in one part, where they are made once."""
+    def maps_of(page):
+        return {line for line in commands_of(page) if line.startswith(("acquire ", "maps "))}
+
+    groups = []
+    for page in PAGES:
+        if not commands_of(page):
+            continue
+        shared = [group for group in groups if any(maps_of(page) & maps_of(other) for other in group)]
+        groups = [group for group in groups if group not in shared] + [[page, *sum(shared, [])]]
+    parts = [[] for _ in range(PARTS)]
+    for group in sorted(groups, key=lambda group: -sum(len(commands_of(page)) for page in group)):
+        min(parts, key=lambda part: sum(len(commands_of(page)) for page in part)).extend(group)
+    return parts
+
+
+class Made:
+    """What commands made: the same command of another page, on files with the same bytes, is not run again."""
+
+    def __init__(self, folder):
+        self.folder, self.of_runs = pathlib.Path(folder), {}
+
+    @staticmethod
+    def files(folder):
+        return {file.relative_to(folder): (file.stat().st_mtime_ns, file.stat().st_size)
+                for file in pathlib.Path(folder).rglob("*") if file.is_file()}  # not behind links: LINKED does not change
+
+    @staticmethod
+    def hash_below(place):
+        files = [place] if place.is_file() else sorted(file for file in place.rglob("*") if file.is_file())
+        return hashlib.sha256(b"".join(str(file.relative_to(place.parent)).encode() + hashlib.sha256(file.read_bytes()).digest()
+                                       for file in files)).hexdigest()
+
+    def key(self, words, folder):
+        """The words, and the bytes of all that they may read: files beside those that they name, too."""
+        places = [pathlib.Path(folder, word) for word in words if "/" in word or pathlib.Path(folder, word).exists()]
+        read = [place if place.is_dir() or place.parent == pathlib.Path(folder) else place.parent for place in places if place.exists()]
+        return (*words, *(self.hash_below(place) for place in read if place.relative_to(folder).parts[0] not in LINKED))
+
+    def run(self, words, folder):
+        key = self.key(words, folder)
+        if key in self.of_runs:
+            result, made = self.of_runs[key]
+            shutil.copytree(made, folder, dirs_exist_ok=True)
+            return result
+        before = self.files(folder)
+        result = subprocess.run([LAMINA, *words], cwd=folder, capture_output=True, text=True, timeout=300)
+        made = self.folder / str(len(self.of_runs))
+        made.mkdir()
+        for name, state in self.files(folder).items():
+            if before.get(name) != state:
+                (made / name).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy2(pathlib.Path(folder, name), made / name)
+        self.of_runs[key] = result, made
+        return result
+
+
 class RunCommands(unittest.TestCase):
     def test_every_command_runs(self):
+        self.assertEqual(sum(len(part) for part in parts_of_pages()), sum(bool(commands_of(page)) for page in PAGES))
         ran = 0
-        for page in sorted(PAGES, key=lambda page: -sum(kind == "command" for kind, *_ in steps(page)))[PART::PARTS]:
-            with tempfile.TemporaryDirectory() as folder:
-                for name in LINKED:
-                    os.symlink(ROOT / name, os.path.join(folder, name))
-                shutil.copytree(ROOT / "examples", os.path.join(folder, "examples"))  # one reads what another made
-                for step in steps(page):
-                    ran += self.do(step, folder)
+        with tempfile.TemporaryDirectory() as kept:
+            self.made = Made(kept)
+            for page in parts_of_pages()[PART]:
+                with tempfile.TemporaryDirectory() as folder:
+                    for name in LINKED:
+                        os.symlink(ROOT / name, os.path.join(folder, name))
+                    shutil.copytree(ROOT / "examples", os.path.join(folder, "examples"))  # one reads what another made
+                    for step in steps(page):
+                        ran += self.do(step, folder)
         self.assertGreater(ran, 20 // PARTS)
 
     def do(self, step, folder):
@@ -196,8 +263,7 @@ class RunCommands(unittest.TestCase):
         if ">" in words:
             target, words = words[words.index(">") + 1], words[:words.index(">")]
         with self.subTest(rest, command=line):
-            result = subprocess.run([LAMINA, *words], cwd=folder, capture_output=True, text=True,
-                                    timeout=300)
+            result = self.made.run(words, folder)
             self.assertEqual(result.returncode, 0, f"lamina {' '.join(words)}: {result.stderr}")
             if os.environ.get("DOCS_TIMES"):  # to see what to make smaller
                 usage = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -480,7 +546,9 @@ def parsed(text):
 
 
 def load_tests(loader, tests, _):
-    return tests if PART == 0 else loader.loadTestsFromTestCase(RunCommands)
+    if PARTS > 1:
+        return loader.loadTestsFromTestCase(RunCommands)
+    return unittest.TestSuite(suite for suite in tests if PART == 0 or not any(isinstance(test, RunCommands) for test in suite))
 
 
 if __name__ == "__main__":
