@@ -19,7 +19,7 @@ namespace lamina {
 namespace {
 
 // Walks that learn what light there is by depth, in each of two rounds: the second knows what the
-// first one found. In as many chunks.
+// first one found. In as many chunks. Noise over time: benchmarks/subsurface_methods.
 constexpr std::size_t learning_walks = 4096, chunks = 64;
 constexpr std::uint32_t walks = 4;  // from where a ray of the eye enters
 // Radiance over that of the scene below which noise does not matter.

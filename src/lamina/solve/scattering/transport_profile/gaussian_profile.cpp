@@ -12,7 +12,8 @@ namespace lamina {
 namespace {
 
 /// Of the widest Gaussian, times the square of the slowest effective transport coefficient. Far out
-/// light falls as exp(-sigma_tr r) / r²; the Gaussians that make it up are narrower than that.
+/// light falls as exp(-sigma_tr r) / r²; the Gaussians that make it up are narrower than that:
+/// test GaussianProfile.IsTheTransferProfile.
 constexpr double widest_variance = 16.0;
 
 /// Variances in a geometric series from the finest to the widest scale of the stacks, and 0.

@@ -16,6 +16,7 @@ namespace {
 /// Places of the table, close where little is absorbed, for light goes far then, and how far is
 /// what counts; and where hardly anything is scattered, in a forward peak.
 std::vector<double> table_places() {
+  // That they are enough: test HalfSpaceTable.HasTheProfilesOfSinglyMadeHalfSpaces.
   constexpr double lowest = 1e-4, second = 1.2e-3, last = 0.998;
   const auto step_at = [](double place) {
     return std::min({0.42 * place, 0.08, 0.01 + 0.35 * (1.0 - place)});
@@ -29,6 +30,7 @@ std::vector<double> table_places() {
 
 /// In reduced mean free paths; what is beyond goes on as profiles do.
 constexpr RadialGrid table_radii{.first = 2e-4, .last = 2e3, .size = 350};
+/// test HalfSpaceTable.HasTheProfilesOfSinglyMadeHalfSpaces
 constexpr double table_accuracy = 0.005;
 /// Of the fullest ring of equal relative width: what a ring with less holds is rounding.
 constexpr double least_ring = 1e-8;

@@ -26,13 +26,15 @@ namespace {
 
 using std::numbers::pi;
 
+// test ObliqueProfile.AgreesWithMonteCarloRingByRing
 constexpr int nodes = 8, fewer_nodes = 6, frequencies = 28;
 constexpr double accuracy = 0.005;      ///< of moment 0; where waves do not reach it, photons help
 constexpr double events_of_mean = 1.5;  ///< of photons: waves know less here than of normal beams
 constexpr double most_change = 3.0;     ///< by photons, with which higher moments go along
 constexpr int coarse_modes = 5, fine_modes = 7;
 /// Where spectra are ended for a look at what their tails are worth. All of the change counts as
-/// error, twice what it does in transfer_profile_band.cpp: there are fewer frequencies.
+/// error, twice what it does in transfer_profile_band.cpp, as there are fewer frequencies:
+/// test TransferProfileError.ThatOfAnObliqueBeamIsSmallToo.
 constexpr double earlier_end = 0.7;
 constexpr double step_to_come = 0.4, error_per_step = 0.4;  ///< as in transfer_profile.cpp
 constexpr int azimuths = 20;      ///< over half a circle, at least, for light scattered once
@@ -232,7 +234,7 @@ void set_estimates(ObliqueProfile& profile, std::size_t band, const detail::Prof
 }
 
 /// Nearer to the surface the sine keeps no digits of the cosine. The way below hardly changes any
-/// more there, but what enters does.
+/// more there, but what enters does: test ObliqueProfile.GrazingLightGoesWithWhatEnters.
 constexpr double least_cos = 1e-4;
 
 /// What enters of a beam over what enters of one that is not nearer to the surface than that.

@@ -7,6 +7,7 @@
 namespace lamina {
 namespace {
 
+// Noise over time: benchmarks/subsurface_methods; no mean depends on it.
 constexpr int estimates_of_node = 16;
 constexpr double most_nodes_entering = 2e5;
 constexpr float spacing_in_free_paths = 1.5f;

@@ -8,6 +8,7 @@
 namespace lamina {
 namespace {
 
+// Noise over time: benchmarks/subsurface_methods; no mean depends on it.
 constexpr int samples_of_node = 8;
 constexpr double most_nodes = 2e5;
 

@@ -13,6 +13,7 @@
 namespace lamina {
 namespace {
 
+// Noise over time: benchmarks/subsurface_methods; no mean depends on it.
 constexpr std::size_t first_rays = 4096, most_rays = 65536, rays_at_once = 256;
 /// Of the power that enters, below which vertices are not worth their time.
 constexpr float least_lost = 1e-3f;

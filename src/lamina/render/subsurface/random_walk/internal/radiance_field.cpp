@@ -14,6 +14,7 @@
 namespace lamina {
 namespace {
 
+// Noise over time: benchmarks/subsurface_methods; no mean depends on it.
 constexpr double most_field_nodes = 4e4;
 constexpr double most_links = 8e6;  // over lanes
 constexpr std::size_t most_links_of_node = 32, least_links_of_node = 16;

@@ -15,11 +15,12 @@ namespace {
 constexpr int most_steps = 200'000;
 // Probabilities of next-event estimation and of going on where a radiance field is the control
 // variate: these times what either may change of the light that the path finds, and at least so
-// much. By the least work for the same noise.
+// much. By the least work for the same noise: benchmarks/subsurface_methods.
 constexpr float next_event_scale = 3.0f, least_next_event = 0.05f;
 constexpr float continuation_scale = 4.0f, least_continuation = 0.1f;
 // The same by DepthRadiance, whose deviation is that of all that paths find after, and which may
-// miss what they find seldom; and of next-event estimation as it were without it, at least so much.
+// miss what they find seldom; and of next-event estimation as it were without it, at least so much:
+// benchmarks/subsurface_methods.
 constexpr float continuation_scale_by_depth = 2.0f, least_continuation_by_depth = 0.5f;
 constexpr float next_event_share_by_depth = 0.5f;
 

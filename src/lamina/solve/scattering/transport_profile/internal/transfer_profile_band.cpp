@@ -27,16 +27,19 @@ namespace {
 
 using Curves = ProfileCurves;
 
+// Refined from step to step: tools/tables/profile_validation.
 constexpr std::array<int, 8> node_steps = {4, 6, 8, 11, 15, 20, 27, 36};
 constexpr std::array<int, 8> frequency_steps = {20, 24, 28, 33, 40, 48, 58, 70};
 constexpr int fewest_modes = 3, most_modes = 8;
 
 /// Steps of nodes, and modes, beyond which errors in the mean are left as they are: those of light
-/// that passes thin sheets and hardly moves aside, which pictures do not show.
+/// that passes thin sheets and hardly moves aside, which pictures do not show:
+/// test TransferProfileInTheMean.IsWithinItsAccuracyOfFinerProfiles.
 constexpr std::size_t node_steps_in_the_mean = 4;
 constexpr int most_modes_in_the_mean = 5;
 
-/// Photons refine what waves leave wrong by more than this, of the accuracy asked.
+/// Photons refine what waves leave wrong by more than this, of the accuracy asked:
+/// test TransferProfile.PhotonsSeeTheRingsOfClearPlates.
 constexpr double too_much = 2.0;
 /// The same in the mean: by rings of light out of clear plates.
 constexpr double too_much_in_the_mean = 10.0;
@@ -51,12 +54,14 @@ constexpr std::size_t probe_node_step = 2;
 constexpr double left_of_step = 0.3, left_of_node_step = 0.4;
 
 /// Changes by more nodes and by more modes are added up; what that misses is at most this times the
-/// product of the two, relative to the profile (18 seen on those stacks).
+/// product of the two, relative to the profile (18 seen on those stacks):
+/// test TransferProfileError.OfHalfSpacesStaysSmall.
 constexpr double product_of_changes = 20.0;
 
 /// Where the spectra are ended for a look at what their tails are worth, of the highest frequency;
 /// and how much of the change counts as error. Photons, at 240 radii of thin slabs with g of .7 to
-/// .9: errors of 1 to 60 % are .2 to 1 of the estimate.
+/// .9: errors of 1 to 60 % are .2 to 1 of the estimate:
+/// test TransferProfileError.ThatOfTransmissionThroughAThinSlabIsSmall.
 constexpr double earlier_end = 0.7, left_of_tail = 0.5;
 
 /// Extinctions that differ by less than this part weaken light alike.

@@ -12,6 +12,7 @@ namespace {
 
 using std::numbers::pi;
 
+// test WavePhotonBlend.FindsOutWavesThatDoNotSayIt
 constexpr double standard_errors = 2.0;  ///< that an error stands for
 constexpr double refuted = 3.0;          ///< standard errors beyond which waves are wrong
 constexpr double most_frequencies = 4000.0;
