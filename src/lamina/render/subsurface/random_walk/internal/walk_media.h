@@ -13,11 +13,11 @@
 #include "lamina/render/shading/refracted_entry.h"
 #include "lamina/render/subsurface/bodies/nested_dielectrics.h"
 #include "lamina/render/subsurface/media/walk_layers.h"
-#include "lamina/render/subsurface/random_walk/internal/body_interior.h"
-#include "lamina/render/subsurface/random_walk/internal/depth_radiance.h"
-#include "lamina/render/subsurface/random_walk/internal/light_vertices.h"
-#include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
-#include "lamina/render/subsurface/random_walk/internal/radiance_field.h"
+#include "lamina/render/subsurface/random_walk/interior/body_interior.h"
+#include "lamina/render/subsurface/random_walk/interior/manifold_next_event.h"
+#include "lamina/render/subsurface/random_walk/radiance/depth_radiance.h"
+#include "lamina/render/subsurface/random_walk/radiance/light_vertices.h"
+#include "lamina/render/subsurface/random_walk/radiance/radiance_field.h"
 
 namespace lamina {
 

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/random_walk/internal/radiance_field.h"
+#include "lamina/render/subsurface/random_walk/radiance/radiance_field.h"
 
 #include <algorithm>
 #include <array>

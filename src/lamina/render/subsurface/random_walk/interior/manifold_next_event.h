@@ -11,7 +11,7 @@
 #include "lamina/base/spectrum/band_values.h"
 #include "lamina/layers/optics/fresnel.h"
 #include "lamina/render/shading/refracted_entry.h"
-#include "lamina/render/subsurface/random_walk/internal/body_interior.h"
+#include "lamina/render/subsurface/random_walk/interior/body_interior.h"
 #include "lamina/render/subsurface/subsurface_method.h"
 
 namespace lamina {

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
+#include "lamina/render/subsurface/random_walk/interior/manifold_next_event.h"
 
 namespace lamina {
 template <int N>

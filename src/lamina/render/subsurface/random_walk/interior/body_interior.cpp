@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/random_walk/internal/body_interior.h"
+#include "lamina/render/subsurface/random_walk/interior/body_interior.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/random_walk/internal/depth_radiance.h"
+#include "lamina/render/subsurface/random_walk/radiance/depth_radiance.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 
 #include "lamina/base/core/lazy_values.h"
 #include "lamina/render/subsurface/depth_layers/node_lattice.h"
-#include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
+#include "lamina/render/subsurface/random_walk/interior/manifold_next_event.h"
 
 namespace lamina {
 

@@ -8,8 +8,8 @@
 #include "lamina/base/core/lazy_values.h"
 #include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/subsurface/media/walk_layers.h"
-#include "lamina/render/subsurface/random_walk/internal/field_radiance.h"
-#include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
+#include "lamina/render/subsurface/random_walk/interior/manifold_next_event.h"
+#include "lamina/render/subsurface/random_walk/radiance/field_radiance.h"
 
 namespace lamina {
 

@@ -11,8 +11,8 @@
 #include "lamina/base/core/random.h"
 #include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/subsurface/media/walk_layers.h"
-#include "lamina/render/subsurface/random_walk/internal/body_interior.h"
-#include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
+#include "lamina/render/subsurface/random_walk/interior/body_interior.h"
+#include "lamina/render/subsurface/random_walk/interior/manifold_next_event.h"
 
 namespace lamina {
 

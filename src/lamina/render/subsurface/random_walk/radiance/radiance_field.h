@@ -7,10 +7,10 @@
 #include "lamina/base/core/progress.h"
 #include "lamina/base/spectrum/band_values.h"
 #include "lamina/base/spectrum/brief_bands.h"
-#include "lamina/render/subsurface/random_walk/internal/body_interior.h"
-#include "lamina/render/subsurface/random_walk/internal/direct_light_field.h"
-#include "lamina/render/subsurface/random_walk/internal/field_radiance.h"
-#include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
+#include "lamina/render/subsurface/random_walk/interior/body_interior.h"
+#include "lamina/render/subsurface/random_walk/interior/manifold_next_event.h"
+#include "lamina/render/subsurface/random_walk/radiance/direct_light_field.h"
+#include "lamina/render/subsurface/random_walk/radiance/field_radiance.h"
 
 namespace lamina {
 
