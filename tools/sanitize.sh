@@ -38,7 +38,7 @@ echo "fuzzing"
 tools/fuzz.sh 5
 
 cmake --preset tsan >/dev/null
-cmake --build --preset tsan --target core_test lamina_command
+cmake --build --preset tsan --target core_test thread_sanitizer_runs
 echo "threads: core, solvers, rendering"
 # Profiles by radiative transfer take minutes where each access is watched: they are solved so once, by
 # the render without a cache. The others take theirs from one that the same code has filled.
@@ -47,16 +47,26 @@ solver=build/test/lamina  # quicker, where it is built
 for scene in bumpy arm; do
   LAMINA_CACHE=$out/cache $solver render scenes/$scene.json -o "$out/fill.png" --method hierarchy --width 4 --samples 1 >/dev/null 2>&1
 done
+# run RUN [WIDTH SAMPLES METHOD]: a run of tests/faults/thread_sanitizer_runs.cpp, whose scenes are of scenes/
+run() {
+  if [ $# = 1 ]; then
+    build/tsan/tests/thread_sanitizer_runs "$1"
+  else
+    build/tsan/tests/thread_sanitizer_runs "scenes/$1.json" film.width="$2" film.height="$2" \
+      render.samples_per_pixel="$3" ${4:+render.method="$4"}
+  fi
+}
+export -f run
 run_all <<'END'
-build/tsan/lamina render scenes/bumpy.json -o $out/walk.png --method random_walk --width 16 --samples 1 --threads 4
-LAMINA_CACHE=$out/cache build/tsan/lamina render scenes/bumpy.json -o $out/cloud.png --method hierarchy --width 16 --samples 2 --threads 4
-build/tsan/lamina render scenes/bumpy.json -o $out/probe.png --method probe --width 16 --samples 2 --threads 4
-LAMINA_CACHE=$out/cache build/tsan/lamina render scenes/bumpy.json -o $out/map.png --method shadow_map --width 16 --samples 2 --threads 4
-build/tsan/lamina render scenes/bodies.json -o $out/bodies.png --width 16 --samples 1 --threads 4
-LAMINA_CACHE=$out/cache build/tsan/lamina render scenes/arm.json -o $out/arm.png --width 16 --samples 2 --threads 4
-build/tsan/lamina photons marble --photons 4000 --threads 4 --tally r,angle
-build/tsan/lamina bsdf marble --method monte_carlo --photons 2000 --threads 4
-build/tsan/lamina profile donner_jensen_skin --method diffusion --threads 4
-build/tsan/lamina slab donner_jensen_skin --threads 4
+run bumpy 16 1 random_walk
+LAMINA_CACHE=$out/cache run bumpy 16 2 hierarchy
+run bumpy 16 2 probe
+LAMINA_CACHE=$out/cache run bumpy 16 2 shadow_map
+run bodies 16 1
+LAMINA_CACHE=$out/cache run arm 16 2
+run photons
+run bsdf
+run profile
+run slab
 build/tsan/tests/core_test --gtest_brief=1
 END
