@@ -16,7 +16,7 @@ draft = "LAMINA_DRAFT" in os.environ
 here = Path(globals().get("__file__", "./notebook")).resolve().parent
 size = 96 if draft else 384
 maps = lamina.maps(here.parent / "skin/freckles.json", changes={"width": size, "height": size})
-nm = [450, 550, 650] if draft else lamina.SPECTRAL_BANDS
+nm = [550] if draft else lamina.SPECTRAL_BANDS
 light = lamina.patch(**maps.arguments(), wavelengths=nm)
 tanned = maps.arguments()
 tanned["melanin"] = np.minimum(2.5 * tanned["melanin"] + 0.02, 0.5)

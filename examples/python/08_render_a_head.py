@@ -13,6 +13,7 @@ import numpy as np
 
 draft = "LAMINA_DRAFT" in os.environ
 size, samples = (48, 2) if draft else (320, 32)
+profile = "diffusion" if draft else "radiative_transfer"
 
 
 def bust(material):
@@ -31,9 +32,9 @@ def bust(material):
 
 # %%
 pictures = {
-    "marble": lamina.render(bust("marble"), samples=samples, method="hierarchy"),
-    "skin": lamina.render(bust("skin_type_2"), samples=samples, method="hierarchy"),
-    "jade": lamina.render(bust("jade"), samples=samples, method="hierarchy"),
+    "marble": lamina.render(bust("marble"), samples=samples, method="hierarchy", profile=profile),
+    "skin": lamina.render(bust("skin_type_2"), samples=samples, method="hierarchy", profile=profile),
+    "jade": lamina.render(bust("jade"), samples=samples, method="hierarchy", profile=profile),
 }
 figure, axes = plt.subplots(1, 3, figsize=(11, 4.9), layout="constrained")
 for ax, (name, picture) in zip(axes, pictures.items()):
