@@ -21,11 +21,6 @@ needed=("${build_packages[@]}" librsvg2-bin fonts-dejavu-core)
 command -v npm >/dev/null && command -v node >/dev/null || needed+=(npm nodejs)
 install_packages "${needed[@]}"
 
-say "building"
-cmake --preset release >/dev/null
-cmake --build --preset release
-lamina=build/release/lamina
-
 # Ends if a download is not the file that this demo was made with.
 check_sha512() {
   sha512sum --check --status <<<"$2  $1" && return
@@ -60,7 +55,6 @@ fetch_head() {
 [ -e "$assets/lash.png" ] || rm -f "$assets/head.obj" "$out"/{head,dipole,lambert,ear,comparison}.png
 # Of a demo whose comparison showed whole heads.
 [ -e "$out/near.png" ] || rm -f "$out"/{head,dipole,lambert,comparison,maps}.png
-make_once "$assets/head.obj" fetch_head
 
 # The light: one CC0 map out of Blender's data, whose package apt checks; without it the scene's procedural studio stands in.
 fetch_studio() {
@@ -74,7 +68,17 @@ fetch_studio() {
   fi
   rm -rf "$work"
 }
-make_once "$assets/studio.exr" fetch_studio
+
+# What is fetched comes while the program is built; nothing else is, neither libraries for others nor Python's module.
+{ make_once "$assets/head.obj" fetch_head; make_once "$assets/studio.exr" fetch_studio; } &
+fetching=$!
+trap 'kill $fetching 2>/dev/null || true' EXIT
+say "building the program"
+cmake --preset release >/dev/null
+cmake --build --preset release --target lamina_command
+lamina=build/release/lamina
+wait $fetching
+trap - EXIT
 
 # The scenes: the head with layered skin; its cheek from near, the same with one layer and without any
 # scattering below the surface; and its ear lit from behind. The procedural studio stands in where the map is missing.
@@ -164,4 +168,5 @@ say "done. The pictures:"
 for file in head.png comparison.png ear.png profile.png maps.png tanned.png; do
   echo "        $PWD/$out/$file"
 done
-echo "        (all channels: $out/*.exr; your own: $lamina render SCENE, see docs/scene.md)"
+echo "        (all channels: $out/*.exr; your own: $lamina render SCENE, see docs/scene.md;"
+echo "        the libraries and Python's module: cmake --build --preset release)"
