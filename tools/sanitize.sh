@@ -14,11 +14,11 @@ out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 export out
 
-# Runs each line of standard input, several at a time; says which fails, and what it printed.
+# Runs each line of standard input, several at a time; says how long each took, which fails, and what it printed.
 run_all() {
   xargs -P "$(nproc)" -d '\n' -I {} bash -c '
-    log=$(mktemp -p "$out")
-    eval "$1" >"$log" 2>&1 || { echo "failed: $1"; head -n 60 "$log"; exit 1; }' _ {}
+    log=$(mktemp -p "$out") TIMEFORMAT="%U s CPU: $1"
+    time eval "$1" >"$log" 2>&1 || { echo "failed: $1"; head -n 60 "$log"; exit 1; }' _ {}
 }
 
 cmake --preset asan >/dev/null
