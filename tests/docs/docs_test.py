@@ -212,10 +212,15 @@ class Made:
                                        for file in files)).hexdigest()
 
     def key(self, words, folder):
-        """The words, and the bytes of all that they may read: files beside those that they name, too."""
-        places = [pathlib.Path(folder, word) for word in words if "/" in word or pathlib.Path(folder, word).exists()]
-        read = [place if place.is_dir() or place.parent == pathlib.Path(folder) else place.parent for place in places if place.exists()]
-        return (*words, *(self.hash_below(place) for place in read if place.relative_to(folder).parts[0] not in LINKED))
+        """The words, and the bytes of all that they may read: of the folder here that they name something of, or of all folders."""
+        hashes = []
+        for word in words:
+            place = pathlib.Path(folder, word)
+            first = (pathlib.Path(os.path.relpath(place, folder)).parts or (".",))[0]
+            if place.exists() and first not in ("..", *LINKED):
+                top = pathlib.Path(folder, first)
+                hashes.append(self.hash_below(top if top.is_dir() else pathlib.Path(folder)))
+        return (*words, *hashes)
 
     def run(self, words, folder):
         key = self.key(words, folder)
