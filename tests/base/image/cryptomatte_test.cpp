@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "lamina/base/image/files/image_file.h"
+
 namespace lamina {
 namespace {
 

@@ -19,8 +19,6 @@ namespace {
 
 constexpr std::uint32_t one_material[] = {0};
 
-Vec3 to_double(const Vec3f& v) { return {v.x, v.y, v.z}; }
-
 double area(const Mesh& mesh) {
   double sum = 0.0;
   for (const auto& [a, b, c] : mesh.triangles)
