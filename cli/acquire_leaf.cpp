@@ -14,6 +14,7 @@
 #include "lamina/base/plot/html_page.h"
 #include "lamina/base/plot/map_picture.h"
 #include "lamina/base/plot/plot.h"
+#include "lamina/skin/acquire/files/leaf_files.h"
 #include "lamina/skin/fit/least_squares/nonlinear_fit.h"
 
 namespace lamina::cli {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "lamina/base/io/json_output.h"
+#include "lamina/skin/acquire/files/leaf_files.h"
 #include "lamina/skin/acquire/leaf_acquisition.h"
 
 namespace lamina::cli {

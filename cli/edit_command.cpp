@@ -16,6 +16,7 @@
 #include "lamina/base/io/disk_cache.h"
 #include "lamina/base/io/write_places.h"
 #include "lamina/skin/acquire/bands/band_choice.h"
+#include "lamina/skin/maps/edits/files/editable_skin_file.h"
 #include "lamina/skin/maps/edits/skin_preview.h"
 #include "lamina/skin/maps/edits/skin_variations.h"
 

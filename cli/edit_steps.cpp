@@ -9,6 +9,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/image/files/image_file.h"
+#include "lamina/skin/maps/edits/files/editable_skin_file.h"
 
 namespace lamina::cli {
 namespace {

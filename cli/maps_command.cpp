@@ -14,6 +14,7 @@
 #include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/write_places.h"
 #include "lamina/scene/skin_surface/surface_skin_maps.h"
+#include "lamina/skin/maps/files/skin_features_file.h"
 #include "lamina/skin/maps/mapped_skin_json.h"
 #include "lamina/skin/maps/skin_features.h"
 #include "picture_files.h"

@@ -17,6 +17,7 @@
 #include "lamina/base/image/tone.h"
 #include "lamina/base/io/disk_cache.h"
 #include "lamina/base/plot/plot.h"
+#include "lamina/skin/patch/files/skin_patch_file.h"
 #include "lamina/skin/patch/skin_patch.h"
 #include "picture_files.h"
 

@@ -11,6 +11,7 @@
 #include "arrays.h"
 #include "images.h"
 #include "json_files.h"
+#include "lamina/skin/patch/files/skin_patch_file.h"
 #include "lamina/skin/patch/patch_gradient.h"
 #include "lamina/skin/patch/skin_patch.h"
 #include "lamina/solve/reflectance/skin_colors.h"

@@ -2,6 +2,7 @@
 // Recipes of maps, flat and over meshes.
 #include "fuzz_input.h"
 #include "lamina/scene/skin_surface/surface_skin_maps.h"
+#include "lamina/skin/maps/files/skin_features_file.h"
 #include "lamina/skin/maps/skin_features.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

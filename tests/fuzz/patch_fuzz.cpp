@@ -1,5 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "fuzz_input.h"
+#include "lamina/skin/patch/files/skin_patch_file.h"
 #include "lamina/skin/patch/skin_patch.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

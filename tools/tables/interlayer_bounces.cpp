@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "lamina/skin/maps/files/skin_features_file.h"
 #include "lamina/skin/maps/skin_features.h"
 #include "lamina/skin/patch/skin_patch.h"
 

@@ -12,6 +12,8 @@
 #include "lamina/base/io/json_input.h"
 #include "lamina/base/spectrum/band_color.h"
 #include "lamina/layers/materials/material.h"
+#include "lamina/skin/maps/files/skin_features_file.h"
+#include "lamina/skin/maps/files/skin_maps_file.h"
 #include "lamina/skin/maps/skin_features.h"
 #include "lamina/skin/patch/skin_patch.h"
 

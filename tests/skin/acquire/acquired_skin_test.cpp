@@ -13,10 +13,11 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/json_input.h"
-#include "lamina/skin/acquire/acquired_files.h"
 #include "lamina/skin/acquire/acquisition_check.h"
 #include "lamina/skin/acquire/bands/band_choice.h"
+#include "lamina/skin/acquire/files/acquired_files.h"
 #include "lamina/skin/acquire/patch_acquisition.h"
+#include "lamina/skin/maps/files/skin_maps_file.h"
 #include "lamina/skin/maps/skin_maps.h"
 
 namespace lamina {

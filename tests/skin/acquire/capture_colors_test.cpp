@@ -15,6 +15,7 @@
 #include "lamina/base/spectrum/rgb_encoding.h"
 #include "lamina/base/spectrum/rgb_space.h"
 #include "lamina/skin/acquire/capture.h"
+#include "lamina/skin/acquire/files/capture_file.h"
 
 namespace lamina {
 namespace {

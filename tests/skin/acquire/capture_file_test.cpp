@@ -1,4 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/skin/acquire/files/capture_file.h"
+
 #include <gtest/gtest.h>
 
 #include <array>

@@ -8,6 +8,8 @@
 
 #include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/json_input.h"
+#include "lamina/skin/acquire/files/capture_file.h"
+#include "lamina/skin/acquire/files/leaf_files.h"
 #include "lamina/skin/maps/material_maps.h"
 #include "lamina/solve/reflectance/leaf_totals_table.h"
 

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "lamina/base/image/files/image_file.h"
+#include "lamina/skin/maps/files/skin_features_file.h"
 #include "lamina/skin/maps/skin_features.h"
 
 namespace lamina {

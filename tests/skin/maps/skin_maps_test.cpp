@@ -15,6 +15,7 @@
 #include "lamina/base/io/json_input.h"
 #include "lamina/layers/materials/leaf.h"
 #include "lamina/skin/maps/material_maps.h"
+#include "lamina/skin/maps/files/skin_maps_file.h"
 #include "lamina/skin/maps/skin_features.h"
 
 namespace lamina {

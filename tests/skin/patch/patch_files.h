@@ -8,6 +8,7 @@
 #include <string>
 
 #include "lamina/base/core/error.h"
+#include "lamina/skin/patch/files/skin_patch_file.h"
 #include "lamina/skin/patch/skin_patch.h"
 
 namespace lamina {

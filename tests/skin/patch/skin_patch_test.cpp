@@ -11,7 +11,9 @@
 #include <numeric>
 
 #include "lamina/base/image/files/image_file.h"
+#include "lamina/skin/maps/files/skin_features_file.h"
 #include "lamina/skin/maps/skin_features.h"
+#include "lamina/skin/patch/files/skin_patch_file.h"
 #include "lamina/skin/patch/patch_gradient.h"
 #include "lamina/solve/reflectance/skin_colors.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"

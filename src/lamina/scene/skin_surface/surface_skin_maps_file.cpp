@@ -9,6 +9,8 @@
 #include "lamina/scene/mesh/files/mesh_file.h"
 #include "lamina/scene/mesh/mesh.h"
 #include "lamina/scene/skin_surface/surface_skin_maps.h"
+#include "lamina/skin/maps/files/skin_features_file.h"
+#include "lamina/skin/maps/files/skin_maps_file.h"
 
 namespace lamina {
 namespace {

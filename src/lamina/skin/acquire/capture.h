@@ -1,16 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "lamina/base/core/dense_matrix.h"
-#include "lamina/base/core/memory_budget.h"
 #include "lamina/base/image/image.h"
-#include "lamina/base/io/json_file.h"
 #include "lamina/layers/materials/skin.h"
 #include "lamina/skin/acquire/calibration/pixel_mask.h"
 #include "lamina/skin/fit/skin/skin_population.h"
@@ -50,11 +46,5 @@ struct Capture {
   std::string population_name;               ///< as the file has it
   std::vector<std::string> notes;            ///< what was done to the photographs, in sentences
 };
-
-/// Reads a capture file, changed by settings as parse_json takes them; docs/acquire.md has the
-/// format.
-/// @throws FileError if a file is missing or unreadable; InvalidInput naming file, line and field.
-[[nodiscard]] Capture load_capture(const JsonFile& file, MemoryBudget memory = {},
-                                   std::span<const std::string> settings = {});
 
 }  // namespace lamina

@@ -3,23 +3,17 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <span>
 #include <string>
-#include <string_view>
 #include <variant>
 #include <vector>
 
-#include "lamina/base/core/memory_budget.h"
 #include "lamina/base/core/progress.h"
 #include "lamina/base/image/image.h"
-#include "lamina/base/io/json_file.h"
 #include "lamina/skin/maps/map_example.h"
 #include "lamina/skin/maps/skin_maps.h"
 
 namespace lamina {
-
-class JsonObject;
 
 // What grows, flows or is drawn in skin, as changes to the maps of its parameters. All lengths are
 // in mm; places are measured from the upper left corner.
@@ -103,10 +97,6 @@ struct SkinMapRecipe {
   std::vector<SkinFeature> features;  ///< one after the other
 };
 
-/// Decodes a feature of a kind, as a recipe names it: "freckles", "moles", "veins", "blotches",
-/// "tattoo", "pressed", "unevenness", "synthesis". @throws InvalidInput
-[[nodiscard]] SkinFeature decode_skin_feature(std::string_view kind, const JsonInput& value);
-
 /// Sets the parameters that the example's maps are of. @param share  of the change, in [0, 1]
 void change_by_synthesis(SkinParameters& skin, const Synthesis& synthesis,
                          std::span<const double> values, double share);
@@ -121,23 +111,11 @@ void mix_in(double& amount, double& composition, double added, double compositio
 /// @param raggedness  of its rim: noise of mean 0 and variance 1
 [[nodiscard]] double share_left(const PressedDisc& disc, double distance, double raggedness);
 
-// What these features have in common on a patch and on a mesh; places are left out.
-[[nodiscard]] Tattoo decode_ink(const JsonObject& object);
-/// @throws InvalidInput if the skin has no such ink.
-void require_ink(const Tattoo& tattoo, SkinParameters skin, const JsonInput& feature);
-[[nodiscard]] PressedDisc decode_disc(const JsonObject& object);
-[[nodiscard]] Veins decode_vein_look(const JsonObject& object);
-
 /// Numbers that are not the same everywhere, as maps without images.
 [[nodiscard]] std::vector<SkinMap> varying_numbers(std::span<SkinParameters> skin);
 
 /// Value of a map at a place, brought into its range.
 [[nodiscard]] float clamped_number(SkinParameters& skin, const SkinMap& map);
-
-/// Reads a recipe, changed by settings as parse_json takes them; docs/heterogeneous_skin.md has the
-/// format. @throws FileError, InvalidInput
-[[nodiscard]] SkinMapRecipe load_skin_map_recipe(const JsonFile& file, MemoryBudget memory = {},
-                                                 std::span<const std::string> settings = {});
 
 /// The maps of those parameters that vary, every value in its range. Equal recipes give equal maps;
 /// a feature does not depend on those after it.

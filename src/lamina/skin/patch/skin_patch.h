@@ -1,17 +1,13 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "lamina/base/core/memory_budget.h"
 #include "lamina/base/core/progress.h"
 #include "lamina/base/image/image.h"
 #include "lamina/base/io/disk_cache.h"
-#include "lamina/base/io/json_file.h"
 #include "lamina/base/spectrum/band_set.h"
 #include "lamina/skin/maps/skin_maps.h"
 #include "lamina/skin/patch/material_texels.h"
@@ -39,12 +35,6 @@ struct SkinPatch {
   Image albedo;
   std::vector<std::string> warnings;
 };
-
-/// Reads a patch file, changed by settings as parse_json takes them; docs/heterogeneous_skin.md has
-/// the format.
-/// @throws FileError if a file is missing or unreadable; InvalidInput naming file, line and field.
-[[nodiscard]] SkinPatch load_skin_patch(const JsonFile& file, MemoryBudget memory = {},
-                                        std::span<const std::string> settings = {});
 
 /// How one band was solved.
 struct SkinPatchBand {

@@ -14,18 +14,6 @@
 namespace lamina::skin_edits {
 namespace {
 
-std::string size_text(const Image& image) {
-  return std::to_string(image.width) + " x " + std::to_string(image.height);
-}
-
-/// Same proportions, but for the rounding of sides to whole texels.
-bool are_alike(const Image& a, const Image& b) {
-  const double across = static_cast<double>(a.width) * b.height;
-  const double down = static_cast<double>(a.height) * b.width;
-  const double rounding = 0.01 * std::max(across, down) + std::max(b.width, b.height);
-  return std::abs(across - down) <= rounding;
-}
-
 using Function = std::function<double(double value)>;
 
 /// How far the edit goes at each texel; empty: all the way.
@@ -50,13 +38,6 @@ double coordinate_slope(const FitParameter& parameter, const Function& function,
 }
 
 }  // namespace
-
-void require_alike(const std::string& what, const Image& image, const SkinMaps& skin) {
-  const Image* map = first_map(skin);
-  if (map && !are_alike(image, *map))
-    throw InvalidInput(what + " must have the proportions of the maps, " + size_text(*map) +
-                       ", but is " + size_text(image));
-}
 
 Image in_size(const Image& image, int width, int height) {
   if (image.width == width && image.height == height) return image;

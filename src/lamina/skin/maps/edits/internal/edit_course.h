@@ -30,9 +30,6 @@ struct Course {
   [[nodiscard]] bool has_mask() const { return !edit.mask.pixels.empty(); }
 };
 
-/// @throws InvalidInput if an image has other proportions than the maps.
-void require_alike(const std::string& what, const Image& image, const SkinMaps& skin);
-
 [[nodiscard]] Image in_size(const Image& image, int width, int height);
 
 /// Where a mask varies a number of one texel becomes a map of the size of the others.

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/internal/decoded_photograph.h"
+#include "lamina/skin/acquire/files/internal/decoded_photograph.h"
 
 #include <algorithm>
 #include <cmath>

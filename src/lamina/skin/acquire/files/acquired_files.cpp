@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/acquired_files.h"
+#include "lamina/skin/acquire/files/acquired_files.h"
 
 #include <algorithm>
 #include <system_error>

@@ -1,4 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/skin/patch/files/skin_patch_file.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,7 +11,8 @@
 #include "lamina/base/image/files/image_file.h"
 #include "lamina/base/image/resample.h"
 #include "lamina/base/io/json_input.h"
-#include "lamina/skin/patch/skin_patch.h"
+#include "lamina/skin/maps/files/skin_maps_file.h"
+#include "lamina/skin/maps/material_maps.h"
 
 namespace lamina {
 namespace {

@@ -1,4 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/skin/maps/files/skin_features_file.h"
+
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -8,7 +10,7 @@
 #include "lamina/base/image/files/image_file.h"
 #include "lamina/base/image/resample.h"
 #include "lamina/base/io/json_input.h"
-#include "lamina/skin/maps/skin_features.h"
+#include "lamina/skin/maps/files/skin_maps_file.h"
 
 namespace lamina {
 namespace {

@@ -9,7 +9,7 @@
 #include "lamina/base/io/json_input.h"
 #include "lamina/skin/acquire/calibration/color_chart.h"
 #include "lamina/skin/acquire/calibration/develop.h"
-#include "lamina/skin/acquire/internal/decoded_sensor.h"
+#include "lamina/skin/acquire/files/internal/decoded_sensor.h"
 #include "lamina/solve/scattering/profile/slab_totals.h"
 
 namespace lamina::acquire_detail {

@@ -1,4 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/skin/acquire/files/capture_file.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -13,9 +15,8 @@
 #include "lamina/skin/acquire/calibration/light_window.h"
 #include "lamina/skin/acquire/calibration/registration.h"
 #include "lamina/skin/acquire/calibration/skin_gains.h"
-#include "lamina/skin/acquire/capture.h"
-#include "lamina/skin/acquire/internal/decoded_photograph.h"
-#include "lamina/skin/maps/skin_maps.h"
+#include "lamina/skin/acquire/files/internal/decoded_photograph.h"
+#include "lamina/skin/maps/files/skin_maps_file.h"
 #include "lamina/solve/reflectance/skin_reflectance_table.h"
 
 namespace lamina {

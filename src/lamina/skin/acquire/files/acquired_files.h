@@ -9,7 +9,7 @@
 
 namespace lamina {
 
-/// Where the results of an acquisition lie.
+/// Files of an acquisition.
 struct AcquiredFiles {
   std::vector<std::filesystem::path> maps, deviations;  ///< [number]
   std::filesystem::path mask;                           ///< 1 where there is skin

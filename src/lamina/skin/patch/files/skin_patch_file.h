@@ -1,0 +1,19 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/io/json_file.h"
+#include "lamina/skin/patch/skin_patch.h"
+
+namespace lamina {
+
+/// Reads a patch file, changed by settings as parse_json takes them; docs/heterogeneous_skin.md has
+/// the format.
+/// @throws FileError if a file is missing or unreadable; InvalidInput naming file, line and field.
+[[nodiscard]] SkinPatch load_skin_patch(const JsonFile& file, MemoryBudget memory = {},
+                                        std::span<const std::string> settings = {});
+
+}  // namespace lamina
