@@ -88,17 +88,15 @@ void run_maps(const MapsOptions& options) {
     if (has_seed) on_mesh->seed = options.common.seed;
     const auto kind_of = [](const SurfaceFeature& feature) -> auto& { return feature.kind; };
     warn_of_patches(on_mesh->features, kind_of, json);
-    for (SurfaceFeature& feature : on_mesh->features)
-      if (auto* color = std::get_if<ColorOfSkin>(&feature.kind); color && !color->exposure) {
-        const ColorMatch match = match_exposure(*on_mesh, *color);
-        color->exposure = match.exposure;
-        text += fmt::format(
-            "colors are most like skin at an exposure of {:.3f}: half are within "
-            "{:.1f} %\n",
-            match.exposure, 100.0 * match.error);
-        json["exposure"] = match.exposure;
-      }
-    maps = make_surface_maps(*on_mesh, progress);
+    std::vector<ColorMatch> matches;
+    maps = make_surface_maps(*on_mesh, progress, &matches);
+    for (const ColorMatch& match : matches) {
+      text += fmt::format(
+          "colors are most like skin at an exposure of {:.3f}: half are within {:.1f} standard "
+          "deviations of people's\n",
+          match.exposure, match.distance);
+      json["exposure"] = match.exposure;
+    }
     user = "material";
     user_json = material_json(*on_mesh, maps);
   } else {

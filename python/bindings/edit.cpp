@@ -61,9 +61,6 @@ EditableSkin from_recipe(const std::string& path, const std::optional<std::strin
         return load_surface_map_recipe(source, {}, settings);
       })) {
     if (seed) on_mesh->seed = *seed;
-    for (SurfaceFeature& feature : on_mesh->features)
-      if (auto* color = std::get_if<ColorOfSkin>(&feature.kind); color && !color->exposure)
-        color->exposure = heard([&] { return match_exposure(*on_mesh, *color).exposure; });
     Work work(callback);
     SkinMaps maps = on_mesh->base;
     maps.maps =

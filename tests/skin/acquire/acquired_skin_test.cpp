@@ -64,7 +64,7 @@ const Made& made() {
 }
 const AcquiredSkin& acquired() {
   static const AcquiredSkin skin =
-      acquire_pixels(made().capture, color_table_of(made().capture, made().table));
+      acquire_pixels(made().capture, lookup_of(made().capture, made().table));
   return skin;
 }
 
@@ -97,7 +97,7 @@ TEST(AcquiredSkin, CountsWhatIsNoSkin) {
 TEST(AcquiredSkin, RefusesWhatHasNoSkin) {
   Capture dark = made().capture;
   std::ranges::fill(dark.reflectance.pixels, 0.0f);
-  const SkinColorTable table = color_table_of(made().capture, made().table);
+  const SkinLookup table = lookup_of(made().capture, made().table);
   try {
     (void)acquire_pixels(dark, table);
     FAIL();
@@ -114,7 +114,7 @@ TEST(AcquisitionCheck, SaysHowFarMapsHangOnTheCalibration) {
   EXPECT_FALSE(check.mean_difference);
   Capture brighter = made().capture;
   for (std::size_t i = 0; i < 24; ++i) brighter.reflectance.pixels[3 * i + 1] *= 1.02f;
-  const AcquiredSkin moved = acquire_pixels(brighter, color_table_of(brighter, made().table));
+  const AcquiredSkin moved = acquire_pixels(brighter, lookup_of(brighter, made().table));
   for (std::size_t n = 0; n < 3; ++n) {
     const FitParameter& parameter = acquired().numbers[n].number.parameter;
     std::vector<double> changes;
@@ -276,7 +276,7 @@ TEST(PatchAcquisition, ErrorsGrowToWhatColorsLeave) {
   const std::vector<BandMisfit> misfit = misfit_of_pixels(pixels.capture, table);
   for (const double chi_squared : chi_squared_of(misfit)) EXPECT_NEAR(chi_squared, 15.0, 5.0);
   const AcquiredSkin skin = acquire_pixels(
-      pixels.capture, color_table_of(pixels.capture, table, error_growth_of(misfit)));
+      pixels.capture, lookup_of(pixels.capture, table, error_growth_of(misfit)));
   EXPECT_NEAR(pixels.coverage(skin, 1.0), 0.68, 0.07);
   EXPECT_NEAR(pixels.coverage(skin, 2.0), 0.95, 0.04);
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "lamina/base/core/hash.h"
 #include "lamina/base/core/random.h"
@@ -184,22 +186,53 @@ void apply_feature(const MelaninSpots& spots, const SurfacePlaces& where, std::u
   });
 }
 
+/// Colors of the texture that the surface shows, evenly over it.
+std::vector<std::array<float, 3>> shown_colors(const Mesh& mesh, const Image& image) {
+  constexpr std::size_t most = 500;
+  std::vector<std::array<float, 3>> colors;
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += mesh.triangles.size() / most + 1) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vec3f color = color_at(image, (1.0f / 3.0f) * (mesh.uvs[a] + mesh.uvs[b] + mesh.uvs[c]));
+    colors.push_back({color.x, color.y, color.z});
+  }
+  return colors;
+}
+
+/// Pixels of the texture, evenly over it, for the growth of its errors.
+std::vector<std::array<float, 3>> sampled_colors(const Image& image, float exposure) {
+  const std::size_t pixels = image.pixels.size() / 3, samples = std::min(pixels, misfit_colors);
+  std::vector<std::array<float, 3>> colors(samples);
+  for (std::size_t s = 0; s < samples; ++s)
+    for (std::size_t c = 0; c < 3; ++c)
+      colors[s][c] = exposure * image.pixels[3 * (s * pixels / samples) + c];
+  return colors;
+}
+
 void apply_feature(const ColorOfSkin& color, const SurfacePlaces& where, std::uint64_t,
                    SurfaceCanvas& canvas) {
-  const SkinOfColor table(canvas.recipe.base.skin);
-  const double exposure =
-      color.exposure ? *color.exposure : match_exposure(canvas.recipe, color).exposure;
+  SkinParameters base = canvas.recipe.base.skin;
+  base.dermis_thickness = std::numeric_limits<double>::infinity();
+  const TextureSkin texture(base);
+  std::optional<SkinLookup> lookup;
+  auto exposure = static_cast<float>(color.exposure.value_or(1.0));
+  if (!color.exposure) {
+    lookup = texture.lookup();
+    canvas.matches.push_back(
+        match_exposure(*lookup, shown_colors(canvas.recipe.meshes.front(), color.image)));
+    exposure = static_cast<float>(canvas.matches.back().exposure);
+  }
+  const std::vector<double> growth = texture.error_growth(sampled_colors(color.image, exposure));
+  const bool has_grown = std::ranges::any_of(growth, [](double each) { return each > 1.0; });
+  if (!lookup || has_grown) lookup = texture.lookup(growth);
   for_texels(canvas, [&](std::size_t i) {
     const SurfaceTexel& texel = canvas.texels[i];
-    const SkinParameters found =
-        table.at(static_cast<float>(exposure) * color_at(color.image, texel.uv)).skin;
+    const Vec3f seen = exposure * color_at(color.image, texel.uv);
+    const ColorFit found = lookup->at({seen.x, seen.y, seen.z});
     const auto weight = static_cast<double>(where.weight(texel.position));
     SkinParameters& skin = canvas.skin[i];
-    for (double SkinParameters::*value :
-         {&SkinParameters::melanin, &SkinParameters::hemoglobin_epidermis,
-          &SkinParameters::hemoglobin_dermis, &SkinParameters::saturation_epidermis,
-          &SkinParameters::saturation_dermis})
-      skin.*value += weight * (found.*value - skin.*value);
+    for (std::size_t n = 0; n < texture.numbers.size(); ++n)
+      for (double SkinParameters::*const value : texture.numbers[n].values)
+        skin.*value += weight * (static_cast<double>(found.values[n]) - skin.*value);
   });
 }
 
@@ -241,20 +274,27 @@ float SurfacePlaces::weight(const Vec3f& position) const {
   return most;
 }
 
-ColorMatch match_exposure(const SurfaceMapRecipe& recipe, const ColorOfSkin& color) {
-  constexpr std::size_t most = 500;
-  const Mesh& mesh = recipe.meshes.front();
-  std::vector<Vec3f> colors;
-  for (std::size_t t = 0; t < mesh.triangles.size(); t += mesh.triangles.size() / most + 1) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    colors.push_back(
-        color_at(color.image, (1.0f / 3.0f) * (mesh.uvs[a] + mesh.uvs[b] + mesh.uvs[c])));
+ColorMatch match_exposure(const SkinLookup& lookup, std::span<const std::array<float, 3>> colors) {
+  const auto match = [&](double exposure) {
+    const auto factor = static_cast<float>(exposure);
+    std::vector<float> distances;
+    for (const auto& [r, g, b] : colors)
+      distances.push_back(lookup.at({factor * r, factor * g, factor * b}).distance);
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::ranges::nth_element(distances, middle);
+    return ColorMatch{.exposure = exposure, .distance = static_cast<double>(*middle)};
+  };
+  ColorMatch best = match(1.0);
+  for (double stops = -3.0; stops < 1.01; stops += 0.125) {
+    const ColorMatch other = match(std::exp2(stops));
+    if (other.distance < best.distance) best = other;
   }
-  return match_exposure(SkinOfColor(recipe.base.skin), colors);
+  return best;
 }
 
-std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe, const Progress& progress) {
-  SurfaceCanvas canvas{recipe, texels_of(recipe), {}};
+std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe, const Progress& progress,
+                                       std::vector<ColorMatch>* matches) {
+  SurfaceCanvas canvas{recipe, texels_of(recipe), {}, {}};
   canvas.skin.assign(canvas.texels.size(), recipe.base.skin);
   std::uint64_t seed = recipe.seed * 1'000'003u + 1;
   double done = 0.0;
@@ -264,6 +304,7 @@ std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe, const Pro
     seed += 10'007;
     report_or_throw(progress, ++done / static_cast<double>(recipe.features.size()));
   }
+  if (matches) *matches = canvas.matches;
   std::vector<char> is_known(static_cast<std::size_t>(recipe.width) *
                              static_cast<std::size_t>(recipe.height));
   for (const SurfaceTexel& texel : canvas.texels) is_known[texel.pixel] = 1;

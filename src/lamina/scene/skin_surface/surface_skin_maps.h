@@ -14,6 +14,7 @@
 #include "lamina/base/image/image.h"
 #include "lamina/base/io/json_file.h"
 #include "lamina/scene/description/scene.h"
+#include "lamina/skin/lookup/skin_lookup.h"
 #include "lamina/skin/maps/skin_features.h"
 
 namespace lamina {
@@ -43,11 +44,13 @@ struct VesselNet {
   double saturation = 0.45;  ///< of that blood
 };
 
-/// Melanin, blood and its oxygen that make uniform skin look like an image of the surface.
+/// Numbers of uniform skin that looks like a texture of albedo: those that `lamina acquire` finds
+/// in it (TextureSkin).
 struct ColorOfSkin {
   Image image;
   /// Factor on the image. A photograph knows reflectances but for such a factor, and skin does not
-  /// get as bright as textures are painted. Absent: by match_exposure.
+  /// get as bright as textures are painted. Absent: by match_exposure, of the colors that the
+  /// surface shows.
   std::optional<double> exposure = std::nullopt;
 };
 
@@ -94,44 +97,22 @@ struct SurfaceMapRecipe {
 [[nodiscard]] std::optional<SurfaceMapRecipe> load_surface_map_recipe(
     const JsonFile& file, MemoryBudget memory = {}, std::span<const std::string> settings = {});
 
-/// The maps of the parameters that vary. What lies next to the charts goes on as their borders do.
-/// @throws Interrupted if progress asks to stop.
-[[nodiscard]] std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe,
-                                                     const Progress& progress = {});
-
-/// Melanin, and blood and its oxygen, for a color: by adding-doubling of uniform skin in eight
-/// bands.
-class SkinOfColor {
- public:
-  explicit SkinOfColor(const SkinParameters& base);
-  struct Value {
-    SkinParameters skin;  ///< `base`, other melanin, blood and saturations
-    /// How far the look of that skin is from what was asked for: the distance of the logarithms of
-    /// luminance, red over green, and blue over green.
-    double error;
-  };
-  /// The nearest that skin gets to a reflectance, linear Rec.709, of all shares of melanin from
-  /// .002 to .45, of blood from .0008 to .09, and saturations from .4 to 1; where those are not red
-  /// enough, as for lips, of blood in the epidermis up to .03. Hues count twice as much as
-  /// luminance. Saturation stays close to that of `base` where it matters little.
-  [[nodiscard]] Value at(const Vec3f& reflectance) const;
-
- private:
-  /// Between the nodes: logarithms of luminance, redness, blueness, the last two with their weight.
-  [[nodiscard]] Vec3 look_at(const std::array<double, 3>& places) const;
-  SkinParameters base_;
-  std::vector<Vec3> looks_;  ///< [redder][melanin][blood]
-};
-
-/// How well colors are those of skin.
+/// How well a texture of colors is one of skin.
 struct ColorMatch {
   double exposure = 1.0;  ///< factor on the colors
-  double error = 0.0;     ///< median over the colors, as of SkinOfColor::Value
+  double distance = 0.0;  ///< median over the colors, as of ColorFit
 };
 
 /// The exposure, in eighths of a stop from -3 to 1, at which colors are most like skin.
-[[nodiscard]] ColorMatch match_exposure(const SkinOfColor& table, std::span<const Vec3f> colors);
-/// Matches exposure for the image of a feature, where the surface of the recipe shows it.
-[[nodiscard]] ColorMatch match_exposure(const SurfaceMapRecipe& recipe, const ColorOfSkin& color);
+[[nodiscard]] ColorMatch match_exposure(const SkinLookup& lookup,
+                                        std::span<const std::array<float, 3>> colors);
+
+/// The maps of the parameters that vary. What lies next to the charts goes on as their borders do.
+/// @param matches  of textures of colors without an exposure; null: not asked for
+/// @throws InvalidInput for skin that SkinReflectanceTable does not take under a texture of colors;
+///         Interrupted if progress asks to stop.
+[[nodiscard]] std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe,
+                                                     const Progress& progress = {},
+                                                     std::vector<ColorMatch>* matches = nullptr);
 
 }  // namespace lamina

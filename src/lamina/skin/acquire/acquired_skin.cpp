@@ -39,22 +39,11 @@ void require_population(const Capture& capture) {
     throw InvalidInput("capture: a table of colors needs a \"population\", but there is none");
 }
 
-/// Residuals of a fit of one pixel, none if it is no skin.
-std::vector<BandMisfit> misfit_of_pixel(const Capture& capture, const SkinReflectanceTable& table,
-                                        std::span<const float> pixel) {
-  SkinMeasurement seen{.measured = {pixel.begin(), pixel.end()},
-                       .standard_deviation = {},
-                       .sensor = capture.sensor,
-                       .has_specular = capture.has_specular};
-  for (std::size_t b = 0; b < pixel.size(); ++b) {
-    if (!(seen.measured[b] > 0.0)) return {};
-    seen.standard_deviation.push_back(capture.errors[b] * seen.measured[b]);
-  }
-  const SkinPopulation& population = *capture.population;
-  const SkinFit fit = fit_skin(table, seen, capture.skin.skin, capture.numbers, &population,
-                               {.max_iterations = 20, .tolerance = 1e-3});
-  if (!(std::sqrt(fit.fit.chi_squared + fit.fit.prior_squares) <= farthest_skin)) return {};
-  return misfit_of(fit, table, seen, capture.numbers, &population);
+ColorMeasurement measurement_of(const Capture& capture, std::span<const double> growth) {
+  return {.sensor = capture.sensor,
+          .errors = capture.errors,
+          .has_specular = capture.has_specular,
+          .error_growth = {growth.begin(), growth.end()}};
 }
 
 }  // namespace
@@ -62,39 +51,31 @@ std::vector<BandMisfit> misfit_of_pixel(const Capture& capture, const SkinReflec
 std::vector<BandMisfit> misfit_of_pixels(const Capture& capture,
                                          const SkinReflectanceTable& table) {
   require_population(capture);
-  constexpr std::size_t most_samples = 200;
-  const std::size_t bands = capture.reflectance.channel_count();
   std::vector<std::size_t> used;
   for (std::size_t i = 0; i < capture.mask.faults.size(); ++i)
     if (capture.mask.faults[i] == 0) used.push_back(i);
-  const std::size_t samples = std::min(used.size(), most_samples);
-  std::vector<std::vector<BandMisfit>> parts(samples);
-  parallel_for(samples, [&](std::size_t s) {
-    parts[s] = misfit_of_pixel(capture, table,
-                               std::span(capture.reflectance.pixels)
-                                   .subspan(used[s * used.size() / samples] * bands, bands));
-  });
-  std::vector<BandMisfit> misfit;
-  for (const std::vector<BandMisfit>& part : parts) add_misfit(misfit, part);
-  return misfit;
+  const std::size_t samples = std::min(used.size(), misfit_colors);
+  std::vector<std::array<float, 3>> colors(samples);
+  for (std::size_t s = 0; s < samples; ++s)
+    std::copy_n(capture.reflectance.pixels.data() + 3 * used[s * used.size() / samples], 3,
+                colors[s].begin());
+  return misfit_of_colors(table, measurement_of(capture, {}), capture.skin.skin, capture.numbers,
+                          *capture.population, colors);
 }
 
-SkinColorTable color_table_of(const Capture& capture, const SkinReflectanceTable& table,
-                              std::span<const double> growth, const Progress& progress) {
+SkinLookup lookup_of(const Capture& capture, const SkinReflectanceTable& table,
+                     std::span<const double> growth, const Progress& progress) {
   require_population(capture);
   return {table,
-          {.sensor = capture.sensor,
-           .errors = capture.errors,
-           .has_specular = capture.has_specular,
-           .error_growth = {growth.begin(), growth.end()}},
+          measurement_of(capture, growth),
           capture.skin.skin,
           capture.numbers,
           *capture.population,
-          SkinColorTable::usual_fits,
+          SkinLookup::usual_fits,
           progress};
 }
 
-AcquiredSkin acquire_pixels(const Capture& capture, const SkinColorTable& table,
+AcquiredSkin acquire_pixels(const Capture& capture, const SkinLookup& lookup,
                             const Progress& progress) {
   if (capture.reflectance.channel_count() != 3)
     throw InvalidInput("capture: pixel by pixel needs three bands, but has " +
@@ -102,10 +83,10 @@ AcquiredSkin acquire_pixels(const Capture& capture, const SkinColorTable& table,
   if (!capture.lights.empty())
     throw InvalidInput("capture: pixel by pixel needs even light, but there is a pattern of it");
   AcquiredSkin skin{.width = capture.reflectance.width, .height = capture.reflectance.height};
-  const std::size_t count = table.numbers().size();
+  const std::size_t count = lookup.numbers().size();
   for (std::size_t n = 0; n < count; ++n)
-    skin.numbers.push_back({.number = table.numbers()[n],
-                            .prior_deviation = table.prior_deviations()[n],
+    skin.numbers.push_back({.number = lookup.numbers()[n],
+                            .prior_deviation = lookup.prior_deviations()[n],
                             .values = make_image(skin.width, skin.height, {"Y"}),
                             .deviations = make_image(skin.width, skin.height, {"Y"})});
   const auto width = static_cast<std::size_t>(skin.width);
@@ -115,7 +96,7 @@ AcquiredSkin acquire_pixels(const Capture& capture, const SkinColorTable& table,
   const auto row = [&](std::size_t y) {
     for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
       const float* bands = capture.reflectance.pixels.data() + 3 * i;
-      const ColorFit fit = table.at({bands[0], bands[1], bands[2]});
+      const ColorFit fit = lookup.at({bands[0], bands[1], bands[2]});
       PixelKind kind = capture.mask.faults[i] == 0 ? PixelKind::skin : PixelKind::unused;
       if (kind == PixelKind::skin && !(fit.distance <= static_cast<float>(farthest_skin))) {
         kind = PixelKind::not_skin;

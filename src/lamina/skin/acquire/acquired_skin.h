@@ -12,7 +12,7 @@
 #include "lamina/base/image/image.h"
 #include "lamina/skin/acquire/capture.h"
 #include "lamina/skin/acquire/inversion/patch_inversion.h"
-#include "lamina/skin/acquire/skin_color_table.h"
+#include "lamina/skin/lookup/skin_lookup.h"
 
 namespace lamina {
 
@@ -67,19 +67,16 @@ struct AcquiredSkin {
 /// textures of albedo.
 /// @throws InvalidInput if the capture has other than three bands, or no pixel is skin; Interrupted
 ///         if progress asks to stop.
-[[nodiscard]] AcquiredSkin acquire_pixels(const Capture& capture, const SkinColorTable& table,
+[[nodiscard]] AcquiredSkin acquire_pixels(const Capture& capture, const SkinLookup& lookup,
                                           const Progress& progress = {});
 
-/// The table for a capture of three bands. @throws as SkinColorTable
+/// The lookup for a capture of three bands. @throws as SkinLookup
 /// @param growth  factors of the errors of the bands; empty: 1
-[[nodiscard]] SkinColorTable color_table_of(const Capture& capture,
-                                            const SkinReflectanceTable& table,
-                                            std::span<const double> growth = {},
-                                            const Progress& progress = {});
+[[nodiscard]] SkinLookup lookup_of(const Capture& capture, const SkinReflectanceTable& table,
+                                   std::span<const double> growth = {},
+                                   const Progress& progress = {});
 
-/// Misfit to each band of fits of some pixels, evenly spread over those that are used and of a
-/// color of skin, by stated errors. Not by errors that have grown, again: numbers follow a color
-/// nearly everywhere, and skin that is not of the population would all become noise.
+/// misfit_of_colors of some pixels, evenly spread over those that are used.
 /// @throws InvalidInput if there is no population
 [[nodiscard]] std::vector<BandMisfit> misfit_of_pixels(const Capture& capture,
                                                        const SkinReflectanceTable& table);

@@ -1,15 +1,18 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/base/image/image.h"
 #include "lamina/layers/materials/skin.h"
 #include "lamina/skin/acquire/calibration/pixel_mask.h"
 #include "lamina/skin/fit/skin/skin_population.h"
+#include "lamina/solve/reflectance/skin_reflectance_table.h"
 #include "lamina/solve/scattering/profile/slab_totals.h"
 
 namespace lamina {
@@ -45,6 +48,14 @@ struct Capture {
   std::optional<SkinPopulation> population;  ///< what is known before; absent: nothing
   std::string population_name;               ///< as the file has it
   std::vector<std::string> notes;            ///< what was done to the photographs, in sentences
+  /// Reflectance of skin at its wavelengths in its light, where that was asked for: table_of
+  std::shared_ptr<const SkinReflectanceTable> table = nullptr;
 };
+
+/// The table of a capture; it is made if the capture has none yet, for whoever asks to hand it
+/// down.
+/// @throws as SkinReflectanceTable
+[[nodiscard]] std::shared_ptr<const SkinReflectanceTable> table_of(const Capture& capture,
+                                                                   const Progress& progress = {});
 
 }  // namespace lamina

@@ -20,9 +20,7 @@ constexpr float least_deviation = 1e-5f;
 /// What the surface mirrors of the light, if that is in the capture.
 float mirrored_in(const Capture& capture) {
   if (!capture.has_specular) return 0.0f;
-  return static_cast<float>(
-      SkinReflectanceTable({550.0}, capture.incidence, skin_fit_range(capture.skin.skin))
-          .specular_reflectance());
+  return static_cast<float>(skin_specular_reflectance(capture.skin.skin, capture.incidence));
 }
 
 /// A patch of some of the pixels.

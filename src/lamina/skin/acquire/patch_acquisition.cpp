@@ -138,7 +138,8 @@ AcquiredSkin acquire_patch(const Capture& capture, const PatchAcquisitionOptions
                        .skin = capture.skin.skin,
                        .population = capture.population,
                        .has_transport = options.has_transport,
-                       .totals = options.totals};
+                       .totals = options.totals,
+                       .reflectance = options.table ? options.table : table_of(capture)};
   for (const SkinFitNumber& number : capture.numbers)
     model.numbers.push_back(number.parameter.name);
   LargePatch patch = patch_of(capture);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -19,7 +20,8 @@ struct PatchAcquisitionOptions {
   std::vector<Image> start;  ///< [number] values to go on from; empty: none
   /// Memory that the inversion may take [bytes]; where it would take more, tiles of half of that
   double most_bytes = 0x1p30;
-  std::optional<KeptTiles> kept = {};  ///< of a capture that goes by tiles
+  std::optional<KeptTiles> kept = {};                           ///< of a capture that goes by tiles
+  std::shared_ptr<const SkinReflectanceTable> table = nullptr;  ///< null: table_of the capture
 
   static constexpr int usual_deviation_samples = 4;
 };

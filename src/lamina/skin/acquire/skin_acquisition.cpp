@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/skin/acquire/skin_color_table.h"
+#include "lamina/skin/lookup/skin_lookup.h"
 #include "lamina/solve/reflectance/skin_reflectance_table.h"
 
 namespace lamina {
@@ -28,19 +28,20 @@ AcquisitionPlan plan_acquisition(Capture& capture, LateralLight lateral) {
 SkinAcquisition acquire_skin(const Capture& capture, const AcquisitionPlan& plan,
                              PatchAcquisitionOptions options, const std::optional<DiskCache>& cache,
                              const Progress& progress) {
-  const SkinReflectanceTable table(capture.wavelengths, capture.incidence,
-                                   skin_fit_range(capture.skin.skin), part_of(progress, 0.0, 0.1));
+  const auto made = table_of(capture, part_of(progress, 0.0, 0.1));
+  const SkinReflectanceTable& table = *made;
   SkinAcquisition result;
   if (plan.has_table) {
     const std::vector<BandMisfit> misfit = misfit_of_pixels(capture, table);
     const std::vector<double> growth = error_growth_of(misfit);
     result.skin =
-        acquire_pixels(capture, color_table_of(capture, table, growth, part_of(progress, 0.1, 0.7)),
+        acquire_pixels(capture, lookup_of(capture, table, growth, part_of(progress, 0.1, 0.7)),
                        part_of(progress, 0.7, 0.9));
     result.skin.chi_squared = chi_squared_of(misfit);
     result.skin.error_growth = growth;
   } else {
     options.has_transport = plan.has_transport;
+    options.table = made;
     result.skin = acquire_patch(capture, options, cache, part_of(progress, 0.1, 0.9));
   }
   // Not asked to stop: the best so far is kept.

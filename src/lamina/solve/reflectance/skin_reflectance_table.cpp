@@ -279,8 +279,7 @@ SkinReflectanceTable::SkinReflectanceTable(std::vector<double> wavelengths, Inci
       bands_[b].table = ChebyshevTable::mixed(tables, lagrange(nodes, wavelengths_[b]))
                             .over(boxes[b], band_counts);
   }
-  const double ior = skin_layer_stack(range.low, 500.0).layers()[0].medium.ior;
-  specular_ = incidence.is_diffuse ? fresnel_diffuse(ior) : fresnel(std::cos(incidence.theta), ior);
+  specular_ = skin_specular_reflectance(range.low, incidence);
 }
 
 std::vector<double> SkinReflectanceTable::reflectance(const SkinParameters& skin) const {
@@ -323,6 +322,11 @@ double SkinReflectanceTable::reflectance_at(std::size_t wavelength, const SkinPa
     derivatives[n] = value * sum;
   }
   return value;
+}
+
+double skin_specular_reflectance(const SkinParameters& skin, const Incidence& incidence) {
+  const double ior = skin_layer_stack(skin, 500.0).layers()[0].medium.ior;
+  return incidence.is_diffuse ? fresnel_diffuse(ior) : fresnel(std::cos(incidence.theta), ior);
 }
 
 SkinRange skin_fit_range(const SkinParameters& skin) {

@@ -77,6 +77,10 @@ class SkinReflectanceTable {
   double specular_ = 0.0;
 };
 
+/// Share of the light that the surface of skin mirrors, the same at all wavelengths.
+[[nodiscard]] double skin_specular_reflectance(const SkinParameters& skin,
+                                               const Incidence& incidence);
+
 /// The range in which spectra of skin are fitted: any pigments that skin has; scattering .3 to 3
 /// times that of [Donner2008], baseline up to 2; all else as in `skin`.
 [[nodiscard]] SkinRange skin_fit_range(const SkinParameters& skin);

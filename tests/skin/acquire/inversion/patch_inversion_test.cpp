@@ -419,12 +419,31 @@ TEST(PatchInversion, SaysWhatIsWrongWithACapture) {
   EXPECT_THROW((void)invert_patch(patch.capture, tables, {.tolerance = -1.0}), InvalidInput);
 }
 
+// A table that is handed down is taken as it is: none is made beside it.
+TEST(InversionTables, TakeTheReflectanceThatIsHandedDown) {
+  const PatchCapture& capture = small_patch().patch.capture;
+  InversionModel model = small_model();
+  model.has_transport = false;
+  const auto reflectance = [&] {
+    return make_inversion_tables(capture, model).reflectance->at(0, {1.0, 0.1}).reflectance;
+  };
+  const auto table = [&](std::vector<double> wavelengths, Incidence incidence) {
+    return std::make_shared<const SkinReflectanceTable>(std::move(wavelengths), incidence,
+                                                        skin_fit_range(model.skin));
+  };
+  const double own = reflectance();
+  model.reflectance = table(capture.wavelengths, {.theta = capture.theta});
+  EXPECT_EQ(reflectance(), own);
+  model.reflectance = table(capture.wavelengths, {.is_diffuse = true});
+  EXPECT_NE(reflectance(), own);
+  model.reflectance = table({500.0}, {});
+  EXPECT_THROW((void)reflectance(), InvalidInput);
+}
+
 TEST(LocalReflectance, IsThatOfTheTableOfSkin) {
   const std::vector<double> wavelengths = {420.0, 650.0};
-  const LocalReflectance local(wavelengths, 0.0, {});
-  SkinRange range = skin_fit_range({});
-  range.low.scattering_scale = range.high.scattering_scale = SkinParameters{}.scattering_scale;
-  const SkinReflectanceTable table(wavelengths, {}, range);
+  const SkinReflectanceTable table(wavelengths, {}, skin_fit_range({}));
+  const LocalReflectance local(table, {});
   for (const double melanin : {0.001, 0.01, 0.08, 0.3})
     for (const double blood : {0.0005, 0.01, 0.06}) {
       SkinParameters skin;

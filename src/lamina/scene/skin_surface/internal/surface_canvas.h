@@ -25,6 +25,7 @@ struct SurfaceCanvas {
   const SurfaceMapRecipe& recipe;
   std::vector<SurfaceTexel> texels;
   std::vector<SkinParameters> skin;
+  std::vector<ColorMatch> matches;
 };
 
 /// Calls `act(i)` for all texels, on all threads.

@@ -192,12 +192,11 @@ void fit_gains(const JsonInput& value, Developed& developed, Capture& capture) {
   if (!capture.population) value.fail("needs a population, but there is none");
   constexpr int people = 1000;
   try {
-    const SkinReflectanceTable table(capture.wavelengths, capture.incidence,
-                                     skin_fit_range(capture.skin.skin));
+    capture.table = table_of(capture);
     leave_out_found_chart(developed, capture);
     const FoundSkinGains of_skin =
         find_skin_gains(developed.reflectance, developed.mask,
-                        make_skin_colors(table, capture.sensor, *capture.population,
+                        make_skin_colors(*capture.table, capture.sensor, *capture.population,
                                          capture.has_specular, people, 1));
     const SkinGains& found = of_skin.gains;
     const std::size_t bands = found.gains.size();

@@ -168,12 +168,18 @@ InversionTables make_inversion_tables(const PatchCapture& capture, const Inversi
     throw InvalidInput(std::to_string(numbers.size()) + " numbers of skin cannot be told from " +
                        std::to_string(capture.images.size()) +
                        " images where nothing is known of a population");
-  InversionTables tables{.model = model,
-                         .numbers = std::move(numbers),
-                         .wavelengths = capture.wavelengths,
-                         .spectra = {},
-                         .reflectance = std::make_shared<const LocalReflectance>(
-                             capture.wavelengths, capture.theta, model.skin)};
+  const auto table = model.reflectance ? model.reflectance
+                                       : std::make_shared<const SkinReflectanceTable>(
+                                             capture.wavelengths, Incidence{.theta = capture.theta},
+                                             skin_fit_range(model.skin));
+  if (table->wavelengths() != capture.wavelengths)
+    throw InvalidInput("reflectance: must have the wavelengths of the capture");
+  InversionTables tables{
+      .model = model,
+      .numbers = std::move(numbers),
+      .wavelengths = capture.wavelengths,
+      .spectra = {},
+      .reflectance = std::make_shared<const LocalReflectance>(*table, model.skin)};
   for (const double nm : tables.wavelengths) tables.spectra.push_back(skin_spectrum(nm));
   tables.missed.resize(tables.wavelengths.size());
   tables.missed_deviation.resize(tables.wavelengths.size());

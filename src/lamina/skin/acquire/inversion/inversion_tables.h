@@ -27,6 +27,8 @@ struct InversionModel {
   OperatorTotals totals = OperatorTotals::radiative_transfer_profile;
   TransportOptions transport = {.interlayer_bounces = 3};
   ProfileAt profile = ProfileAt::both;
+  /// Table over skin_fit_range of `skin`, of wavelengths and light of the capture; null: made for it
+  std::shared_ptr<const SkinReflectanceTable> reflectance = nullptr;
 };
 
 /// Without a population each coordinate of skin_fit_numbers is taken to be known to so much before,

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/solve/reflectance/skin_reflectance_table.h"
-
 namespace lamina {
 namespace {
 
@@ -48,12 +46,9 @@ CubicWeights cubic_weights(double s) {
 
 }  // namespace
 
-LocalReflectance::LocalReflectance(std::span<const double> wavelengths, double theta,
-                                   const SkinParameters& skin) {
-  SkinRange range = skin_fit_range(skin);
-  range.low.scattering_scale = range.high.scattering_scale = skin.scattering_scale;
-  const SkinReflectanceTable table({wavelengths.begin(), wavelengths.end()}, {.theta = theta},
-                                   range);
+LocalReflectance::LocalReflectance(const SkinReflectanceTable& table, const SkinParameters& skin) {
+  const SkinRange range = skin_fit_range(skin);
+  const std::vector<double>& wavelengths = table.wavelengths();
   for (std::size_t w = 0; w < wavelengths.size(); ++w) {
     const SkinSpectrum spectrum = skin_spectrum(wavelengths[w]);
     const std::array<double, 2> most = most_absorption(range, spectrum);

@@ -3,10 +3,10 @@
 
 #include <array>
 #include <cstddef>
-#include <span>
 #include <vector>
 
 #include "lamina/layers/materials/skin.h"
+#include "lamina/solve/reflectance/skin_reflectance_table.h"
 
 namespace lamina {
 
@@ -15,11 +15,9 @@ namespace lamina {
 /// places, at some 20 ns each. Between nodes it is within 1e-4 of that table.
 class LocalReflectance {
  public:
-  /// @param wavelengths  [nm], in [350, 1000]
-  /// @param theta        angle of incidence [rad]
-  /// @param skin         gives all but the absorption
-  /// @throws InvalidInput as SkinReflectanceTable.
-  LocalReflectance(std::span<const double> wavelengths, double theta, const SkinParameters& skin);
+  /// @param table  of skin_fit_range of the skin
+  /// @param skin   gives all but the absorption
+  LocalReflectance(const SkinReflectanceTable& table, const SkinParameters& skin);
 
   struct Value {
     double reflectance = 0.0;

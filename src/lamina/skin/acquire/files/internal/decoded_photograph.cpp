@@ -14,12 +14,12 @@
 #include "lamina/skin/acquire/calibration/gray_card.h"
 #include "lamina/skin/acquire/calibration/light_window.h"
 #include "lamina/skin/acquire/calibration/polarized_pair.h"
+#include "lamina/skin/lookup/skin_lookup.h"
 
 namespace lamina::acquire_detail {
 namespace {
 
 constexpr std::size_t most_channels = 512;
-constexpr double default_error = 0.005;
 /// Reflectances of skin lie far within; what is beyond has another unit.
 constexpr float lowest_reflectance = -0.05f, highest_reflectance = 4.0f;
 
@@ -365,7 +365,7 @@ DecodedPhotograph decode_photograph(const JsonInput& value, const Incidence& inc
   const std::size_t bands = read.channels.size();
   DecodedPhotograph photograph;
   photograph.sensor = decode_sensor(object.required("sensor"), read.channels);
-  photograph.errors.assign(bands, default_error);
+  photograph.errors.assign(bands, usual_color_error);
   if (const auto error = object.optional("error"))
     photograph.errors = error->number_or_numbers(bands, closed_interval(1e-4, 0.5));
   const std::vector<double> stated = photograph.errors;

@@ -7,21 +7,13 @@
 #include <string_view>
 
 #include "lamina/base/core/number_text.h"
-#include "lamina/base/spectrum/band_color.h"
 #include "lamina/base/spectrum/cie_1931.h"
 #include "lamina/base/spectrum/spectrum_table.h"
 #include "lamina/skin/acquire/bands/band_choice.h"
+#include "lamina/skin/lookup/skin_lookup.h"
 
 namespace lamina::acquire_detail {
 namespace {
-
-constexpr double first_nm = 400.0, last_nm = 700.0, step_nm = 10.0;  // of sensors of colors
-
-std::vector<double> color_wavelengths() {
-  std::vector<double> nm;
-  for (double each = first_nm; each <= last_nm; each += step_nm) nm.push_back(each);
-  return nm;
-}
 
 void require_channels(const JsonInput& value, std::size_t bands,
                       const std::vector<std::string>& channels) {
@@ -34,12 +26,11 @@ void require_channels(const JsonInput& value, std::size_t bands,
 
 DecodedSensor decode_srgb(const JsonInput& value, const std::vector<std::string>& channels) {
   require_channels(value, 3, channels);
-  const std::vector<double> nm = color_wavelengths();
-  const BandWeights weights = make_band_weights(BandSet(nm));
+  const auto& [nm, weights] = srgb_sensor();
   DecodedSensor sensor{.names = {"R", "G", "B"}};
   for (std::size_t c = 0; c < 3; ++c) {
     BandWeightsOverWavelengths& band = sensor.bands.emplace_back();
-    for (std::size_t w = 0; w < nm.size(); ++w) band.push_back({nm[w], weights[w][c]});
+    for (std::size_t w = 0; w < nm.size(); ++w) band.push_back({nm[w], weights(c, w)});
   }
   return sensor;
 }
@@ -123,7 +114,7 @@ DecodedSensor decode_curves(const JsonObject& object, const std::vector<std::str
     const SpectrumTable curve = read_spectrum(table, column, {});
     BandWeightsOverWavelengths& band = sensor.bands.emplace_back();
     double sum = 0.0;
-    for (const double nm : color_wavelengths()) {
+    for (const double nm : srgb_sensor().wavelengths) {
       const double weight = (curve.covers(nm) ? interpolate(curve, nm) : 0.0) * light.at(nm);
       band.push_back({nm, weight});
       sum += weight;

@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/internal/node_blend.h"
+#include "lamina/skin/lookup/internal/node_blend.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lamina/skin/acquire/internal/node_blend.cpp"
+#define HWY_TARGET_INCLUDE "lamina/skin/lookup/internal/node_blend.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once per instruction set
 #include <hwy/highway.h>
 // Functions of Highway's own, which come after it.
@@ -13,9 +13,9 @@ namespace lamina::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 void blend_eight_nodes(const std::array<const float*, 8>& nodes,
-                       const std::array<float, 8>& weights, acquire_detail::NodeBlend& result) {
-  const hn::CappedTag<float, acquire_detail::node_numbers> d;
-  for (std::size_t i = 0; i < acquire_detail::node_numbers; i += hn::Lanes(d)) {
+                       const std::array<float, 8>& weights, lookup_detail::NodeBlend& result) {
+  const hn::CappedTag<float, lookup_detail::node_numbers> d;
+  for (std::size_t i = 0; i < lookup_detail::node_numbers; i += hn::Lanes(d)) {
     auto sum = hn::Zero(d);
     for (std::size_t n = 0; n < nodes.size(); ++n)
       sum = hn::MulAdd(hn::Set(d, weights[n]), hn::LoadU(d, nodes[n] + i), sum);
@@ -32,8 +32,8 @@ namespace lamina {
 
 HWY_EXPORT(blend_eight_nodes);
 
-void acquire_detail::blend_nodes(const std::array<const float*, 8>& nodes,
-                                 const std::array<float, 8>& weights, NodeBlend& blend) {
+void lookup_detail::blend_nodes(const std::array<const float*, 8>& nodes,
+                                const std::array<float, 8>& weights, NodeBlend& blend) {
   HWY_DYNAMIC_DISPATCH(blend_eight_nodes)(nodes, weights, blend);
 }
 

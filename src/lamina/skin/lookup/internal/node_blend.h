@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-namespace lamina::acquire_detail {
+namespace lamina::lookup_detail {
 
 /// Numbers that nodes of a table of colors have.
 inline constexpr std::size_t node_numbers = 16;
@@ -19,4 +19,4 @@ struct NodeBlend {
 void blend_nodes(const std::array<const float*, 8>& nodes, const std::array<float, 8>& weights,
                  NodeBlend& blend);
 
-}  // namespace lamina::acquire_detail
+}  // namespace lamina::lookup_detail

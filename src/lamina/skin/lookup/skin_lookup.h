@@ -3,10 +3,13 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lamina/base/core/dense_matrix.h"
 #include "lamina/base/core/progress.h"
+#include "lamina/skin/fit/least_squares/band_misfit.h"
 #include "lamina/skin/fit/skin/skin_fit.h"
 
 namespace lamina {
@@ -36,13 +39,13 @@ struct ColorFit {
   ColorSide side = ColorSide::colored;  ///< the direction in which it lies farthest
 };
 
-/// The fits of fit_skin to all colors that skin can have, for millions of pixels.
+/// The skin of a color: fits of fit_skin to all colors that skin can have, for millions of pixels.
 ///
 /// Fits on a grid: along brightness, from more melanin than people have to none, and across it,
 /// along the axes in which people of equal brightness differ; brought to half its step by cubics
 /// and interpolated linearly. For people of the population values differ from those of fits by a
 /// fiftieth of their error bar in the median; one color costs .1 µs, the table 2.2 CPU-s.
-class SkinColorTable {
+class SkinLookup {
  public:
   static constexpr int usual_fits = 13;
 
@@ -51,10 +54,10 @@ class SkinColorTable {
   /// @param fits        along each axis, and twice as many along brightness, in [4, 33]
   /// @throws InvalidInput as fit_skin, for a sensor of another size or errors out of range;
   ///         Interrupted if progress asks to stop.
-  SkinColorTable(const SkinReflectanceTable& table, const ColorMeasurement& measurement,
-                 const SkinParameters& skin, std::vector<SkinFitNumber> numbers,
-                 const SkinPopulation& population, int fits = usual_fits,
-                 const Progress& progress = {});
+  SkinLookup(const SkinReflectanceTable& table, const ColorMeasurement& measurement,
+             const SkinParameters& skin, std::vector<SkinFitNumber> numbers,
+             const SkinPopulation& population, int fits = usual_fits,
+             const Progress& progress = {});
 
   [[nodiscard]] const std::vector<SkinFitNumber>& numbers() const { return numbers_; }
   /// Prior deviations of the coordinates of the numbers, among people.
@@ -85,5 +88,44 @@ class SkinColorTable {
 /// Colors beyond this distance are no skin: of 4392 spectra of nine body areas [Xiao2016] 99.9 %
 /// lie within 12.6 of the forearms, grays from 14 on.
 inline constexpr double farthest_skin = 12.0;
+
+/// Linear sRGB under D65.
+struct ColorSensor {
+  std::vector<double> wavelengths;  ///< [nm] 400, 410 to 700
+  DenseMatrix weights;              ///< [channel][wavelength]
+};
+[[nodiscard]] const ColorSensor& srgb_sensor();
+
+/// Misfit to each channel of fits of some colors, those of skin among them, by stated errors. Not
+/// by errors that have grown: numbers follow a color nearly everywhere, and skin that is not of the
+/// population would all become noise.
+/// @param colors  [color][channel]; measurement, skin, numbers and population as in SkinLookup
+[[nodiscard]] std::vector<BandMisfit> misfit_of_colors(
+    const SkinReflectanceTable& table, const ColorMeasurement& measurement,
+    const SkinParameters& skin, const std::vector<SkinFitNumber>& numbers,
+    const SkinPopulation& population, std::span<const std::array<float, 3>> colors);
+
+/// Colors of which misfit_of_colors asks: enough for the noise of a channel to 5 %.
+inline constexpr std::size_t misfit_colors = 200;
+
+/// Textures of albedo as sRGB: what is known of their colors where nothing else is said.
+struct TextureSkin {
+  /// @param skin  gives what the forearms' population knows nothing of
+  explicit TextureSkin(const SkinParameters& skin);
+  /// Factors of the errors of channels that colors of the texture ask for where skin does not meet
+  /// them, at least 1.
+  [[nodiscard]] std::vector<double> error_growth(
+      std::span<const std::array<float, 3>> colors) const;
+  /// @param growth  as of error_growth
+  [[nodiscard]] SkinLookup lookup(std::vector<double> growth = {},
+                                  const Progress& progress = {}) const;
+
+  SkinParameters skin;
+  std::vector<SkinFitNumber> numbers;  ///< all that the population knows
+  ColorMeasurement measurement;
+  SkinReflectanceTable table;  ///< of light from all sides
+};
+/// The error of a channel of a photograph of which none is stated, relative.
+inline constexpr double usual_color_error = 0.005;
 
 }  // namespace lamina

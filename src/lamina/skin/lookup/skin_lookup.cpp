@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/skin_color_table.h"
+#include "lamina/skin/lookup/skin_lookup.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +10,9 @@
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/core/symmetric_eigen.h"
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/skin/acquire/bands/band_choice.h"
-#include "lamina/skin/acquire/internal/node_blend.h"
-#include "lamina/skin/fit/least_squares/band_misfit.h"
+#include "lamina/skin/lookup/internal/node_blend.h"
 
 namespace lamina {
 namespace {
@@ -197,10 +197,9 @@ void check(const SkinReflectanceTable& table, const ColorMeasurement& measuremen
 
 }  // namespace
 
-SkinColorTable::SkinColorTable(const SkinReflectanceTable& table,
-                               const ColorMeasurement& measurement, const SkinParameters& skin,
-                               std::vector<SkinFitNumber> numbers, const SkinPopulation& population,
-                               int fits, const Progress& progress)
+SkinLookup::SkinLookup(const SkinReflectanceTable& table, const ColorMeasurement& measurement,
+                       const SkinParameters& skin, std::vector<SkinFitNumber> numbers,
+                       const SkinPopulation& population, int fits, const Progress& progress)
     : numbers_(std::move(numbers)) {
   check(table, measurement, numbers_, fits);
   const std::vector<LogColor> curve = colors_over_melanin(table, measurement, skin, population);
@@ -296,7 +295,7 @@ SkinColorTable::SkinColorTable(const SkinReflectanceTable& table,
   }
 }
 
-std::array<float, 3> SkinColorTable::place(const std::array<float, 3>& color) const {
+std::array<float, 3> SkinLookup::place(const std::array<float, 3>& color) const {
   std::array<float, 3> logs;
   for (std::size_t c = 0; c < 3; ++c) logs[c] = std::log(std::max(color[c], darkest));
   const float brightness = (logs[0] + logs[1] + logs[2]) / 3.0f;
@@ -313,12 +312,12 @@ std::array<float, 3> SkinColorTable::place(const std::array<float, 3>& color) co
   return at;
 }
 
-ColorFit SkinColorTable::at(const std::array<float, 3>& color) const {
+ColorFit SkinLookup::at(const std::array<float, 3>& color) const {
   const std::array<float, 3> at = place(color);
   constexpr auto half = static_cast<float>(half_box);
   const std::array<float, 3> low = {-half, -half, low_}, high = {half, half, high_};
   const std::array<float, 3> deviation = {1.0f, 1.0f, end_deviations_[at[2] < low_ ? 0 : 1]};
-  static_assert(channels == acquire_detail::node_numbers + 1);
+  static_assert(channels == lookup_detail::node_numbers + 1);
   std::array<std::size_t, 3> node;
   std::array<float, 3> between;
   float beyond = 0.0f;  // the box, squared
@@ -345,8 +344,8 @@ ColorFit SkinColorTable::at(const std::array<float, 3>& color) const {
     weights[corner] = weight;
     within += weight * nodes[corner][channels - 1];
   }
-  acquire_detail::NodeBlend blend;
-  acquire_detail::blend_nodes(nodes, weights, blend);
+  lookup_detail::NodeBlend blend;
+  lookup_detail::blend_nodes(nodes, weights, blend);
   ColorFit fit;
   for (std::size_t p = 0; p < numbers_.size(); ++p) {
     fit.values[p] = value_of(numbers_[p].parameter, blend.sums[p], blend.exponentials[p]);
@@ -358,6 +357,64 @@ ColorFit SkinColorTable::at(const std::array<float, 3>& color) const {
   if (std::abs(along) >= std::hypot(at[0], at[1]))
     fit.side = along < 0.0f ? ColorSide::dark : ColorSide::bright;
   return fit;
+}
+
+const ColorSensor& srgb_sensor() {
+  static const ColorSensor sensor = [] {
+    ColorSensor made;
+    for (double nm = 400.0; nm <= 700.0; nm += 10.0) made.wavelengths.push_back(nm);
+    const BandWeights weights = make_band_weights(BandSet(made.wavelengths));
+    made.weights = DenseMatrix(3, made.wavelengths.size());
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t w = 0; w < made.wavelengths.size(); ++w) made.weights(c, w) = weights[w][c];
+    return made;
+  }();
+  return sensor;
+}
+
+std::vector<BandMisfit> misfit_of_colors(const SkinReflectanceTable& table,
+                                         const ColorMeasurement& measurement,
+                                         const SkinParameters& skin,
+                                         const std::vector<SkinFitNumber>& numbers,
+                                         const SkinPopulation& population,
+                                         std::span<const std::array<float, 3>> colors) {
+  std::vector<std::vector<BandMisfit>> parts(colors.size());
+  parallel_for(colors.size(), [&](std::size_t i) {
+    SkinMeasurement seen{.measured = {colors[i].begin(), colors[i].end()},
+                         .standard_deviation = {},
+                         .sensor = measurement.sensor,
+                         .has_specular = measurement.has_specular};
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!(seen.measured[c] > 0.0)) return;
+      seen.standard_deviation.push_back(measurement.errors[c] * seen.measured[c]);
+    }
+    const SkinFit found = fit_skin(table, seen, skin, numbers, &population, fit_options);
+    if (std::sqrt(found.fit.chi_squared + found.fit.prior_squares) <= farthest_skin)
+      parts[i] = misfit_of(found, table, seen, numbers, &population);
+  });
+  std::vector<BandMisfit> misfit;
+  for (const std::vector<BandMisfit>& part : parts) add_misfit(misfit, part);
+  return misfit;
+}
+
+TextureSkin::TextureSkin(const SkinParameters& given)
+    : skin(given),
+      measurement{.sensor = srgb_sensor().weights, .errors = std::vector(3, usual_color_error)},
+      table(srgb_sensor().wavelengths, {.is_diffuse = true}, skin_fit_range(given)) {
+  const std::vector<std::string>& known = forearm_population().names;
+  for (const SkinFitNumber& number : skin_fit_numbers(skin))
+    if (std::ranges::count(known, number.parameter.name) > 0) numbers.push_back(number);
+}
+
+std::vector<double> TextureSkin::error_growth(std::span<const std::array<float, 3>> colors) const {
+  return error_growth_of(
+      misfit_of_colors(table, measurement, skin, numbers, forearm_population(), colors));
+}
+
+SkinLookup TextureSkin::lookup(std::vector<double> growth, const Progress& progress) const {
+  ColorMeasurement grown = measurement;
+  grown.error_growth = std::move(growth);
+  return {table, grown, skin, numbers, forearm_population(), SkinLookup::usual_fits, progress};
 }
 
 }  // namespace lamina

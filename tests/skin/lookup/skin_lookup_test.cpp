@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/skin_color_table.h"
+#include "lamina/skin/lookup/skin_lookup.h"
 
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ struct Study {
     return made;
   }();
   std::vector<SkinFitNumber> numbers = skin_fit_numbers({});
-  SkinColorTable colors{table, measurement, {}, numbers, forearm_population(), 9};
+  SkinLookup colors{table, measurement, {}, numbers, forearm_population(), 9};
 
   [[nodiscard]] std::vector<double> color_of(const std::vector<double>& spectrum) const {
     std::vector<double> color(3, 0.0);
@@ -49,7 +49,7 @@ std::array<float, 3> floats(const std::vector<double>& color) {
 }
 
 // Independent: the fit itself, at colors between the nodes.
-TEST(SkinColorTable, HasTheFitsOfColors) {
+TEST(SkinLookup, HasTheFitsOfColors) {
   std::vector<double> apart;  // in standard deviations
   for (const SkinParameters& skin : draw_skins(forearm_population(), 40, 3)) {
     const std::vector<double> color = study().color_of(study().table.reflectance(skin));
@@ -79,7 +79,7 @@ TEST(SkinColorTable, HasTheFitsOfColors) {
 
 // People as the prior has them, model errors and noise included: one standard deviation holds two
 // thirds of the truths.
-TEST(SkinColorTable, ErrorsCoverTheTruthAsOftenAsTheySay) {
+TEST(SkinLookup, ErrorsCoverTheTruthAsOftenAsTheySay) {
   const SkinPopulation& population = forearm_population();
   Random random = make_random(11, 0);
   const auto normal = [&] {
@@ -116,7 +116,7 @@ TEST(SkinColorTable, ErrorsCoverTheTruthAsOftenAsTheySay) {
   }
 }
 
-TEST(SkinColorTable, KnowsColorsThatAreNoSkin) {
+TEST(SkinLookup, KnowsColorsThatAreNoSkin) {
   const auto distance = [](float r, float g, float b) {
     return study().colors.at({r, g, b}).distance;
   };
@@ -131,7 +131,7 @@ TEST(SkinColorTable, KnowsColorsThatAreNoSkin) {
 }
 
 // Half as bright as skin that is darker than anybody's is no skin, as by the fit of the color.
-TEST(SkinColorTable, KnowsColorsThatAreTooDark) {
+TEST(SkinLookup, KnowsColorsThatAreTooDark) {
   SkinParameters darkest;
   darkest.melanin = 0.4;
   std::vector<double> color = study().color_of(study().table.reflectance(darkest));
@@ -142,11 +142,11 @@ TEST(SkinColorTable, KnowsColorsThatAreTooDark) {
 }
 
 // Pixels of skin do not become more where errors have grown; numbers become less sure.
-TEST(SkinColorTable, KeepsDistancesWhereErrorsGrow) {
+TEST(SkinLookup, KeepsDistancesWhereErrorsGrow) {
   ColorMeasurement grown = study().measurement;
   grown.error_growth = {4.0, 4.0, 4.0};
   const auto at = [&](const ColorMeasurement& measurement) {
-    const SkinColorTable table(study().table, measurement, {}, study().numbers,
+    const SkinLookup table(study().table, measurement, {}, study().numbers,
                                forearm_population(), 5);
     return table.at({0.45f, 0.29f, 0.22f});
   };
@@ -155,11 +155,11 @@ TEST(SkinColorTable, KeepsDistancesWhereErrorsGrow) {
   EXPECT_GT(found.deviations[0], 1.2f * stated.deviations[0]);
 }
 
-TEST(SkinColorTable, RefusesWhatItCannotUse) {
+TEST(SkinLookup, RefusesWhatItCannotUse) {
   const auto message = [](ColorMeasurement measurement, std::vector<SkinFitNumber> numbers,
                           int fits) -> std::string {
     try {
-      const SkinColorTable table(study().table, measurement, {}, std::move(numbers),
+      const SkinLookup table(study().table, measurement, {}, std::move(numbers),
                                  forearm_population(), fits);
     } catch (const InvalidInput& error) {
       return error.what();
