@@ -41,7 +41,6 @@ struct AcquireOptions {
   std::string capture, output;
   std::vector<std::string> settings;
   LateralLight lateral = LateralLight::automatic;
-  InversionMethod method = InversionMethod::gauss_newton;
   double most_forwards = InversionOptions{}.most_forwards, model_error = 0.0, robust_limit = 0.0;
   bool resumes = false, only_prepares = false, only_checks = false;
   std::string tiles, shard;
@@ -277,7 +276,6 @@ void run_acquire(const AcquireOptions& options) {
   if (plan.has_table)
     refuse_options_of_transport(options, "where a table has the fits of all colors");
   PatchAcquisitionOptions patch;
-  patch.inversion.method = options.method;
   patch.inversion.most_forwards = options.most_forwards;
   patch.inversion.model_error = options.model_error;
   patch.inversion.robust_limit = options.robust_limit;
@@ -315,8 +313,6 @@ void run_acquire(const AcquireOptions& options) {
   std::vector<std::string> arguments = {"acquire",   options.capture,
                                         "-o",        folder.string(),
                                         "--lateral", plan.has_transport ? "transport" : "none"};
-  if (!plan.has_table)
-    arguments.insert(arguments.end(), {"--method", std::string(name_of(options.method))});
   for (const std::string& setting : options.settings)
     arguments.insert(arguments.end(), {"--set", setting});
   MemoryBudget memory = options.common.memory;
@@ -351,8 +347,6 @@ void add_acquire_command(CLI::App& app) {
   command.add_choice("--lateral", options->lateral,
                      "transport: light travels sideways in the skin; none: each pixel by itself; "
                      "auto: transport where mm_per_pixel is known and the capture is no texture");
-  command.add_choice("--method", options->method, "of maps with transport")
-      .group("Maps with transport");
   command
       .add_option("--most-forwards", options->most_forwards,
                   "ends after so many forward models, their changes and gradients")
@@ -400,7 +394,7 @@ void add_acquire_command(CLI::App& app) {
       .group(large);
   command.add_flag("--check", options->only_checks,
                    "reads the photographs and says how many tiles there are");
-  for (const char* name : {"--method", "--most-forwards", "--model-error", "--robust", "--resume",
+  for (const char* name : {"--most-forwards", "--model-error", "--robust", "--resume",
                            "--tile-memory", "--tiles", "--shard", "--prepare"})
     options->of_transport.emplace_back(name, command.option(name));
   add_common_options(command, options->common);

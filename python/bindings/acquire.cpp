@@ -172,14 +172,13 @@ py::tuple acquire(const std::string& path, const std::optional<std::string>& tex
     const AcquisitionPlan plan =
         plan_acquisition(capture, choice<LateralLight>(options["lateral"].cast<std::string>()));
     PatchAcquisitionOptions patch;
-    patch.inversion.method = choice<InversionMethod>(options["method"].cast<std::string>());
     patch.inversion.most_forwards = options["most_forwards"].cast<double>();
     patch.inversion.model_error = options["model_error"].cast<double>();
     patch.inversion.robust_limit = options["robust"].cast<double>();
     patch.inversion.seed = options["seed"].cast<std::uint64_t>();
     if (plan.has_table && options["is_of_transport"].cast<bool>())
       throw InvalidInput(
-          "method, most_forwards, model_error, robust, start: are not read where a table has the "
+          "most_forwards, model_error, robust, start: are not read where a table has the "
           "fits of all colors");
     if (!start.empty()) {
       for (const SkinFitNumber& number : capture.numbers) {

@@ -22,8 +22,6 @@ from ._result import Array, Result, quantity, setting
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-METHODS = ("lbfgs", "gauss_newton", "gradient_descent", "per_pixel")
-
 Mask = NDArray[np.bool_]
 
 
@@ -120,7 +118,6 @@ def acquire(
     folder: PathLike | None = None,
     changes: Mapping[str, Any] | None = None,
     lateral: str = "auto",
-    method: str | None = None,
     most_forwards: float | None = None,
     model_error: float | None = None,
     robust: float | None = None,
@@ -137,7 +134,6 @@ def acquire(
     :param changes: values of the file by their paths.
     :param lateral: "transport": light travels sideways; "none": each pixel by itself; "auto":
         transport where mm_per_pixel is known and the capture is no texture.
-    :param method: of maps with transport: "gauss_newton", "lbfgs", "gradient_descent", "per_pixel".
     :param most_forwards: ends after so many forward models, in [1, 1e6]; 120.
     :param model_error: of the forward model, relative, in [0, 0.5]; 0.
     :param robust: residuals beyond so many standard deviations count less, in [0, 1e6]; 0: all alike.
@@ -159,10 +155,9 @@ def acquire(
     >>> bool(found.maps["melanin"][3, 3] > 2 * found.maps["melanin"][0, 0])
     True
     """
-    of_transport = [method, most_forwards, model_error, robust, start]
+    of_transport = [most_forwards, model_error, robust, start]
     options = {
         "lateral": one_of("lateral", lateral, ("auto", "none", "transport")),
-        "method": one_of("method", "gauss_newton" if method is None else method, METHODS),
         "most_forwards": number("most_forwards", 120.0 if most_forwards is None else most_forwards, 1.0, 1e6),
         "model_error": number("model_error", 0.0 if model_error is None else model_error, 0.0, 0.5),
         "robust": number("robust", 0.0 if robust is None else robust, 0.0, 1e6),

@@ -63,7 +63,7 @@ class Acquire(unittest.TestCase):
                     ((texture, "-o", output, "--lateral", "sideways"), ("--lateral", "transport")),
                     ((texture, "-o", output, "--resume"), ("--resume", "table")),
                     ((texture, "-o", output, "--robust", "3"), ("--robust", "not read")),
-                    ((os.path.join(CAPTURES, "leaf.json"), "-o", output, "--method", "lbfgs"), ("--method", "leaf")),
+                    ((os.path.join(CAPTURES, "leaf.json"), "-o", output, "--robust", "3"), ("--robust", "leaf")),
                     ((os.path.join(CAPTURES, "leaf.json"), "-o", output, "--set", "window=[[0,0],[5,0],[5,4],[0,4]]",
                       "--set", "window_edge=0"), ("even light",)),
                     ((texture, "-o", output, "--set", "population=none", "--set", "numbers=null"), ("3 bands cannot tell 5 numbers",)),

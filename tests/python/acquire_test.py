@@ -82,7 +82,7 @@ def test_maps_are_those_of_the_command(tmp_path: Path) -> None:
 def test_a_stop_hands_over_the_maps_so_far(photograph: Any) -> None:
     # After the table of uniform skin, within the steps.
     with pytest.raises(lamina.Interrupted) as stopped:
-        lamina.acquire(capture(photograph), method="gradient_descent", most_forwards=60, progress=lambda f: f < 0.15)
+        lamina.acquire(capture(photograph), most_forwards=60, progress=lambda f: f < 0.15)
     partial: Any = stopped.value.result
     assert partial.maps["melanin"].shape == (12, 16) and not partial.has_errors
     more = lamina.acquire(capture(photograph), start=partial, most_forwards=20)
@@ -110,7 +110,6 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     ({"images": [{"image": np.full((2, 2, 3), 0.3), "encoding": "linear", "sensor": "srgb"}]}, {"robust": 3.0}, "are not read"),
     ({"images": [{"image": np.full((2, 2, 3), np.nan), "encoding": "linear", "sensor": "srgb"}]}, {}, ""),
     ({}, {"lateral": "sideways"}, "lateral: must be one of"),
-    ({}, {"method": "newton"}, "method: must be one of"),
     ({}, {"start": 3}, "start: must be an AcquiredSkin"),
     (3, {}, "capture: must be a path or a dict"),
 ]

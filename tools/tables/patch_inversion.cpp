@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-// The table of docs/acquire_accuracy.md, "With lateral transport": what each method makes of a
-// synthetic patch, in how many forward equivalents and seconds.
+// The table of docs/acquire_accuracy.md, "With lateral transport": maps of a synthetic patch by
+// texel and by invert_patch, in how many forward equivalents and seconds.
 //
-//     patch_inversion [SIZE [SAMPLES [METHOD | noise=SHARE | calibrated]...]]
+//     patch_inversion [SIZE [SAMPLES [noise=SHARE | calibrated]...]]
 //
 // SIZE is the side in texels, a multiple of 16; SAMPLES are those of the standard deviations. Noise
 // is .005 of the mean of each image, constants of skin are those of the paper unless "calibrated".
@@ -109,38 +109,28 @@ void print_maps(const SyntheticPatch& patch, const InversionTables& tables,
 int main(int count, char** arguments) {
   const int size = count > 1 ? std::atoi(arguments[1]) : 96;
   const int samples = count > 2 ? std::atoi(arguments[2]) : 0;
-  std::vector<std::string> methods(arguments + std::min(count, 3), arguments + count);
   SyntheticSetup setup{.size = size, .cache = user_cache()};
   InversionModel model;
   model.skin = with_constants({}, SkinConstants::paper);
-  std::erase_if(methods, [&](const std::string& word) {
-    const bool is_noise = word.starts_with("noise=");
-    if (is_noise) setup.noise = std::atof(word.c_str() + 6);
+  for (int i = 3; i < count; ++i) {
+    const std::string word = arguments[i];
+    if (word.starts_with("noise=")) setup.noise = std::atof(word.c_str() + 6);
     if (word == "calibrated") setup.skin = model.skin = {};
-    return is_noise || word == "calibrated";
-  });
-  if (methods.empty()) methods = {"per_pixel", "gauss_newton", "lbfgs", "gradient_descent"};
+  }
   const SyntheticPatch patch = make_synthetic_patch(setup);
   const Stopwatch of_tables;
   const InversionTables tables = make_inversion_tables(patch.capture, model, setup.cache);
   std::printf("%d x %d texels, %zu bands, %d threads; tables %.1f s\n", size, size,
               patch.capture.images.size(), thread_count(), of_tables.seconds());
-  for (const std::string& name : methods) {
-    const auto method = find_enum_value<InversionMethod>(name);
-    if (!method) {
-      std::printf("%s: is no method\n", name.c_str());
-      return 1;
-    }
-    InversionOptions options{.method = *method};
-    if (*method == InversionMethod::gradient_descent) options.most_forwards = 1300.0;
+  for (const bool is_by_texel : {true, false}) {
+    InversionOptions options{.is_by_texel = is_by_texel};
     const Stopwatch of_maps;
     InversionResult result = invert_patch(patch.capture, tables, options);
-    std::printf("%s: %.2f s, %.2f of processors\n", name.c_str(), of_maps.seconds(),
+    std::printf("%s: %.2f s, %.2f of processors\n",
+                is_by_texel ? "each texel by itself" : "Gauss-Newton", of_maps.seconds(),
                 of_maps.processor_seconds());
     print_course(result);
-    const bool has_draws =
-        *method == InversionMethod::gauss_newton || *method == InversionMethod::lbfgs;
-    if (samples > 0 && has_draws) {
+    if (samples > 0 && !is_by_texel) {
       // The same again from where it ended, with errors.
       options.deviation_samples = samples;
       options.smoothness = result.smoothness;

@@ -94,7 +94,7 @@ TEST(CapturePatch, InTilesHasTheMapsOfTheWhole) {
   const InversionModel model{.numbers = {"melanin", "hemoglobin_dermis"},
                              .population = capture.population,
                              .has_transport = false};
-  InversionOptions options{.method = InversionMethod::per_pixel, .deviation_samples = 1};
+  InversionOptions options{.is_by_texel = true, .deviation_samples = 1};
   const InversionTables tables = make_inversion_tables(sampled_patch(capture, 30), model);
   options.error_growth =
       error_growth_of(misfit_of_texels(sampled_patch(capture, 30), tables, options));

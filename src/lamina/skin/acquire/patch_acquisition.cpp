@@ -150,11 +150,11 @@ AcquiredSkin acquire_patch(const Capture& capture, const PatchAcquisitionOptions
   const InversionTables tables = make_inversion_tables(
       tiling ? sampled_patch(capture, table_samples) : patch.part(all), model, cache);
   InversionOptions inversion = options.inversion;
-  if (!options.has_transport) inversion.method = InversionMethod::per_pixel;
+  if (!options.has_transport) inversion.is_by_texel = true;
   AcquiredSkin skin = skin_before(capture, tables);
   // Pixels on their own have one growth of errors, whether they go by tiles or at once.
   std::vector<BandMisfit> misfit;
-  if (inversion.method == InversionMethod::per_pixel && inversion.deviation_samples > 0) {
+  if (inversion.is_by_texel && inversion.deviation_samples > 0) {
     misfit = misfit_of_texels(sampled_patch(capture, misfit_samples), tables, inversion);
     inversion.error_growth = error_growth_of(misfit);
   }

@@ -70,8 +70,7 @@ TEST(PatchInversion, FindsTheMapsThatAPhotographWasMadeOf) {
   EXPECT_GT(melanin.correlation, 0.98);
   EXPECT_GT(error_of(patch, result.numbers[2], 3).correlation, 0.95);
   // Each texel by itself takes the light of freckles for that of skin beside them.
-  const InversionResult alone =
-      invert_patch(patch.capture, tables, {.method = InversionMethod::per_pixel});
+  const InversionResult alone = invert_patch(patch.capture, tables, {.is_by_texel = true});
   EXPECT_LT(melanin.relative, 0.8 * error_of(patch, alone.numbers[0], 0).relative);
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t t = 0; t < 32 * 32; t += 37) {
@@ -110,10 +109,9 @@ TEST(PatchInversion, OfUniformSkinIsTheFitOfASpectrum) {
   alone.has_transport = false;
   for (const bool has_transport : {false, true}) {
     const InversionResult result =
-        has_transport
-            ? invert_patch(capture, tables)
-            : invert_patch(capture, make_inversion_tables(capture, alone),
-                           {.method = InversionMethod::per_pixel, .deviation_samples = 1});
+        has_transport ? invert_patch(capture, tables)
+                      : invert_patch(capture, make_inversion_tables(capture, alone),
+                                     {.is_by_texel = true, .deviation_samples = 1});
     for (std::size_t n = 0; n < 2; ++n) {
       if (!has_transport) {
         EXPECT_NEAR(
@@ -257,22 +255,17 @@ double coverage(const SmallPatch& made, const InversionResult& result, double de
 TEST(PatchInversion, ErrorsGrowToWhatIsLeft) {
   const std::vector<double> factors = {3.0, 3.0, 3.0, 1.0, 3.0, 3.0};
   const SmallPatch made = understated_patch(factors);
-  for (const InversionMethod method : {InversionMethod::gauss_newton, InversionMethod::lbfgs}) {
-    const InversionResult result =
-        invert_patch(made.patch.capture, made.tables, {.method = method, .deviation_samples = 4});
-    const std::vector<double> chi_squared = chi_squared_of(result.misfit);
-    ASSERT_EQ(result.error_growth.size(), factors.size());
-    for (std::size_t i = 0; i < factors.size(); ++i) {
-      EXPECT_NEAR(std::sqrt(chi_squared[i]), result.error_growth[i], 0.02 * factors[i]);
-      // Freckles of edges finer than a texel are left by the smoothness, and count as noise.
-      EXPECT_NEAR(result.error_growth[i] / factors[i], factors[i] > 1.0 ? 1.0 : 1.4, 0.3)
-          << name_of(method) << " " << i;
-    }
-    const double one = coverage(made, result, 1.0), two = coverage(made, result, 2.0);
-    EXPECT_NEAR(one, 0.683, 0.08) << name_of(method);
-    EXPECT_NEAR(two, 0.954, 0.05) << name_of(method);
-    RecordProperty(std::string(name_of(method)), std::to_string(one) + " " + std::to_string(two));
+  const InversionResult result =
+      invert_patch(made.patch.capture, made.tables, {.deviation_samples = 4});
+  const std::vector<double> chi_squared = chi_squared_of(result.misfit);
+  ASSERT_EQ(result.error_growth.size(), factors.size());
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    EXPECT_NEAR(std::sqrt(chi_squared[i]), result.error_growth[i], 0.02 * factors[i]);
+    // Freckles of edges finer than a texel are left by the smoothness, and count as noise.
+    EXPECT_NEAR(result.error_growth[i] / factors[i], factors[i] > 1.0 ? 1.0 : 1.4, 0.3) << i;
   }
+  EXPECT_NEAR(coverage(made, result, 1.0), 0.683, 0.08);
+  EXPECT_NEAR(coverage(made, result, 2.0), 0.954, 0.05);
 }
 
 // Noise as it is stated; freckles of edges finer than a texel are left by the smoothness, with up
@@ -288,9 +281,7 @@ TEST(PatchInversion, ErrorsGrowToWhatSmoothnessLeaves) {
 
 TEST(PatchInversion, OfTilesIsThatOfTheWhole) {
   const auto& [patch, tables] = small_patch();
-  InversionOptions options{.method = InversionMethod::gauss_newton,
-                           .smoothness = {20.0, 50.0, 50.0},
-                           .most_forwards = 25.0};
+  InversionOptions options{.smoothness = {20.0, 50.0, 50.0}, .most_forwards = 25.0};
   const TileOptions tiling{.side = 16, .halo = 2.5};
   const std::vector<PatchTile> tiles = patch_tiles(32, 32, patch.capture.mm_per_texel, tiling);
   ASSERT_EQ(tiles.size(), 4u);
@@ -333,23 +324,6 @@ TEST(PatchInversion, OfTilesIsThatOfTheWhole) {
   EXPECT_EQ(nothing.numbers[1].value.height, 4);
   EXPECT_TRUE(nothing.residual.empty());
   EXPECT_THROW((void)patch_tiles(32, 32, 0.1, {.side = 0}), InvalidInput);
-}
-
-TEST(PatchInversion, ComesToTheSameByGradientsAlone) {
-  const auto& [patch, tables] = small_patch();
-  const InversionOptions newton{.method = InversionMethod::gauss_newton,
-                                .smoothness = {20.0, 50.0, 50.0},
-                                .most_forwards = 30.0};
-  InversionOptions gradients = newton;
-  gradients.method = InversionMethod::lbfgs;
-  const double least = invert_patch(patch.capture, tables, newton).history.back().objective;
-  const InversionResult result = invert_patch(patch.capture, tables, gradients);
-  EXPECT_LT(result.history.back().objective, 1.5 * least);
-  EXPECT_LT(result.history.back().objective, 0.5 * result.history.front().objective);
-  // The paper's steps go down, slowly.
-  const InversionResult descent = invert_patch(
-      patch.capture, tables, {.method = InversionMethod::gradient_descent, .most_forwards = 20.0});
-  EXPECT_LT(descent.history.back().residual, 0.9 * descent.history.front().residual);
 }
 
 // Red, green and blue are sums over wavelengths; strips of light are one more pattern.

@@ -22,12 +22,13 @@ struct InversionModel {
   SkinParameters skin;  ///< gives all else; its dermis is infinite
   /// Prior of the numbers of each texel; absent: a wide one
   std::optional<SkinPopulation> population = {};
-  /// False: for InversionMethod::per_pixel alone, and light that does not travel sideways.
+  /// False: for InversionOptions::is_by_texel alone, and light that does not travel sideways.
   bool has_transport = true;
   OperatorTotals totals = OperatorTotals::radiative_transfer_profile;
   TransportOptions transport = {.interlayer_bounces = 3};
   ProfileAt profile = ProfileAt::both;
-  /// Table over skin_fit_range of `skin`, of wavelengths and light of the capture; null: made for it
+  /// Table over skin_fit_range of `skin`, of wavelengths and light of the capture; null: made for
+  /// it
   std::shared_ptr<const SkinReflectanceTable> reflectance = nullptr;
 };
 

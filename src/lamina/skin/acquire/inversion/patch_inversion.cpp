@@ -11,7 +11,7 @@
 #include "lamina/base/core/number_text.h"
 #include "lamina/skin/acquire/inversion/internal/coarser_capture.h"
 #include "lamina/skin/acquire/inversion/internal/gauss_newton.h"
-#include "lamina/skin/acquire/inversion/internal/gradient_methods.h"
+#include "lamina/skin/acquire/inversion/internal/lbfgs.h"
 #include "lamina/skin/acquire/inversion/internal/local_fit.h"
 #include "lamina/skin/acquire/inversion/internal/posterior.h"
 #include "lamina/skin/acquire/inversion/internal/smoothness_choice.h"
@@ -68,7 +68,7 @@ void check(const PatchCapture& capture, const InversionTables& tables,
   }
   if (capture.wavelengths != tables.wavelengths)
     throw InvalidInput("tables: must be of the wavelengths of the capture");
-  if (options.method != InversionMethod::per_pixel && tables.stacks.empty())
+  if (!options.is_by_texel && tables.stacks.empty())
     throw InvalidInput("tables: must be of skin with transport, unless texels are inverted alone");
 }
 
@@ -285,23 +285,17 @@ InversionResult invert_patch(const PatchCapture& capture, const InversionTables&
                              const InversionOptions& options, const Progress& progress) {
   check_capture(capture);
   check(capture, tables, options);
-  const InversionMethod method = options.method;
-  const bool is_local = method == InversionMethod::per_pixel;
-  const bool is_descent = method == InversionMethod::gradient_descent;
+  const bool is_local = options.is_by_texel;
   CoarseSolution start;
-  if (!is_local && !is_descent && options.start.empty())
+  if (!is_local && options.start.empty())
     start = finer_start(capture, tables, options, progress, 1.0);
   if (!options.start.empty()) start.coordinates = coordinates_of(options.start, tables);
   PatchGrid grid(capture, tables, options, 1.0, start.spent);
   InversionResult result;
   if (is_local && options.deviation_samples > 0 && options.error_growth.empty())
     result.misfit = grow_errors_of_texels(grid, options.robust_limit);
-  if (!is_local && !is_descent)
+  if (!is_local)
     grid.objective.set_smoothness(first_smoothness(options, tables, capture.mm_per_texel, 1.0));
-  if (start.coordinates.empty() && is_descent)
-    for (const double coordinate : tables.reference)
-      start.coordinates.emplace_back(capture.images[0].reflected.values.size(),
-                                     static_cast<float>(coordinate));
   if (start.coordinates.empty())
     start.coordinates = detail::fit_texels(grid.objective, grid.level, options.robust_limit);
   PatchState state = tables.stacks.empty()
@@ -311,28 +305,24 @@ InversionResult invert_patch(const PatchCapture& capture, const InversionTables&
                          : grid.objective.state(start.coordinates);
   InversionOptions own = options;
   InversionCourse course(own, grid.light, progress, std::move(state));
-  const auto run = [&](InversionMethod by, int most_steps) {
-    if (by == InversionMethod::lbfgs)
-      detail::run_lbfgs(grid.objective, grid.level, course, most_steps);
-    else
-      detail::run_gauss_newton(grid.objective, grid.level, course, most_steps);
+  const auto run_gauss_newton = [&](int most_steps) {
+    detail::run_gauss_newton(grid.objective, grid.level, course, most_steps);
   };
   constexpr int all_steps = std::numeric_limits<int>::max();
-  if (is_descent) detail::run_gradient_descent(grid.objective, course);
-  if (!is_local && !is_descent) {
+  if (!is_local) {
     if (chooses_smoothness(options)) {
       // Far off gradients alone find no step; nearer, they stand stiff smoothness better than
       // systems that are cut short.
       constexpr int steps = 10;
       constexpr double far = 6.0, near_noise = 1.05;  // in standard deviations
-      if (course.best.in_deviations > far) run(InversionMethod::gauss_newton, 1);
-      if (course.goes_on()) run(InversionMethod::lbfgs, steps);
-      if (course.goes_on() && course.best.in_deviations > near_noise)
-        run(InversionMethod::lbfgs, steps);
+      if (course.best.in_deviations > far) run_gauss_newton(1);
+      for (int round = 0; round < 2; ++round)
+        if (course.goes_on() && (round == 0 || course.best.in_deviations > near_noise))
+          detail::run_lbfgs(grid.objective, grid.level, course, steps);
     }
     if (course.goes_on() && (chooses_smoothness(options) || has_edges(options, tables)))
       choose_smoothness(grid, course, options);
-    if (course.goes_on()) run(method, all_steps);
+    if (course.goes_on()) run_gauss_newton(all_steps);
   }
   if (options.deviation_samples > 0 && is_local) {
     put_results(grid.objective, course, result);
@@ -360,11 +350,11 @@ InversionResult invert_patch(const PatchCapture& capture, const InversionTables&
       if (more < hardly) break;
       grid.objective.set_error_growth(growth);
       grid.objective.weigh_again(course.best);
-      if (more > much && !is_descent && round + 1 < most_rounds) {
+      if (more > much && round + 1 < most_rounds) {
         own.most_forwards = grid.light.forwards() + options.most_forwards;
         course.begin_again();
         if (chooses_smoothness(options)) choose_smoothness(grid, course, options);
-        if (course.goes_on()) run(method, all_steps);
+        if (course.goes_on()) run_gauss_newton(all_steps);
         before = grid.light.forwards();
       }
       posterior.emplace(grid, course);

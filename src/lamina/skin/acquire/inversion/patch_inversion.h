@@ -15,22 +15,9 @@
 
 namespace lamina {
 
-enum class InversionMethod {
-  lbfgs,             ///< all texels together; from gradients alone [NocedalWright2006] §7.2
-  gauss_newton,      ///< all texels together; conjugate gradients for each step
-  gradient_descent,  ///< of [Donner2008] §6: differences of a number moved at all texels at once
-  per_pixel,         ///< each texel by itself, as if its surroundings were like it
-};
-
-template <>
-inline constexpr auto enum_names<InversionMethod> = std::to_array<EnumName<InversionMethod>>(
-    {{"lbfgs", InversionMethod::lbfgs},
-     {"gauss_newton", InversionMethod::gauss_newton},
-     {"gradient_descent", InversionMethod::gradient_descent},
-     {"per_pixel", InversionMethod::per_pixel}});
-
 struct InversionOptions {
-  InversionMethod method = InversionMethod::lbfgs;
+  /// Each texel by itself, as if its surroundings were like it
+  bool is_by_texel = false;
   /// How much numbers of neighbors are taken to be alike, [number]: the weight of the squared
   /// difference of the coordinates of two texels side by side, half of it counting beside half of
   /// the squared residuals in standard deviations. With as many again, the weights of squares of
@@ -53,7 +40,7 @@ struct InversionOptions {
   double most_forwards = 120.0;
   double tolerance = 1e-3;     ///< relative decrease of the objective that ends the steps
   bool stops_at_noise = true;  ///< ends where residuals are at their standard deviations, too
-  /// Drawn for standard deviations; 0: none are computed. `per_pixel` has them without draws
+  /// Drawn for standard deviations; 0: none are computed. `is_by_texel` has them without draws
   int deviation_samples = 0;
   std::uint64_t seed = 0;  ///< of these
   /// [number] values; with the smoothness that they were found with they go on. Empty: from
@@ -117,9 +104,9 @@ struct InversionResult {
 /// Standard deviations hold what is left: where chi squared of an image is above 1 its errors grow
 /// by the root of that (band_misfit.h), and the maps are those of the grown errors.
 ///
-/// Steps of gauss_newton are solved by conjugate gradients with tangent and gradient of the
-/// transport; the preconditioner, which lbfgs takes, too, is each texel's block of the matrix for
-/// waves of each octave.
+/// Gauss-Newton steps are solved by conjugate gradients with tangent and gradient of the transport;
+/// the preconditioner is each texel's block of the matrix for waves of each octave. Where
+/// smoothness is chosen, steps of L-BFGS, which take it, too, come before.
 ///
 /// @param tables  made for this capture, or one with the same wavelengths and angle
 /// @param progress  told the share of most_forwards and what the samples take; asked to stop, the
@@ -134,7 +121,7 @@ struct InversionResult {
                                            const Progress& progress = {});
 
 /// Misfit to each image of some texels, each by itself, where errors have grown to it:
-/// by error_growth_of, the growth that invert_patch finds by `per_pixel` where none is given.
+/// by error_growth_of, the growth that invert_patch finds by texel where none is given.
 ///
 /// @throws InvalidInput as invert_patch
 [[nodiscard]] std::vector<BandMisfit> misfit_of_texels(const PatchCapture& capture,

@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/internal/gradient_methods.h"
+#include "lamina/skin/acquire/inversion/internal/lbfgs.h"
 
-#include <cmath>
 #include <deque>
 
 #include "lamina/skin/acquire/inversion/internal/band_blocks.h"
@@ -63,56 +62,6 @@ void run_lbfgs(PatchObjective& objective, const TexelMaps& level, InversionCours
     if (pair.product <= 0.0) continue;
     pairs.push_back(std::move(pair));
     if (pairs.size() > most_pairs) pairs.pop_front();
-  }
-}
-
-void run_gradient_descent(const PatchObjective& objective, InversionCourse& course) {
-  const InversionTables& tables = objective.tables();
-  const TexelMaps& weights = objective.weights();
-  const std::size_t numbers = tables.numbers.size(), texels = weights[0].size();
-  constexpr double difference = 0.01;  // of a number, in its reference value
-  constexpr double least_step = 1e-4, growth = 1.3;
-  TexelNumbers scale = {};
-  for (std::size_t n = 0; n < numbers; ++n)
-    scale[n] = fit_value(tables.numbers[n].parameter, tables.reference[n]);
-  const auto move = [&](std::vector<float>& map, std::size_t n, const auto& by) {
-    const FitParameter& parameter = tables.numbers[n].parameter;
-    for (std::size_t t = 0; t < texels; ++t) {
-      const double value = fit_value(parameter, static_cast<double>(map[t])) + by(t);
-      map[t] = static_cast<float>(
-          fit_coordinate(parameter, std::clamp(value, parameter.low, parameter.high)));
-    }
-  };
-  double step = 0.05;
-  while (!course.must_end(static_cast<double>(numbers) + 1.0)) {
-    const PatchState& at = course.best;
-    TexelMaps gradient(numbers, std::vector<float>(texels, 0.0f));
-    float largest = 0.0f;
-    for (std::size_t n = 0; n < numbers; ++n) {
-      TexelMaps other = at.coordinates;
-      move(other[n], n, [&](std::size_t) { return difference * scale[n]; });
-      const TexelMaps images = objective.light().images(other);
-      for (std::size_t i = 0; i < images.size(); ++i)
-        for (std::size_t t = 0; t < texels; ++t)
-          gradient[n][t] += weights[i][t] * weights[i][t] * (images[i][t] - at.images[i][t]) *
-                            (at.images[i][t] - objective.measured()[i][t]);
-      for (const float value : gradient[n]) largest = std::max(largest, std::abs(value));
-    }
-    if (largest == 0.0f) return;
-    bool is_better = false;
-    for (; step > least_step && !is_better; step *= is_better ? growth : 0.5) {
-      if (course.must_end()) return;
-      TexelMaps next = at.coordinates;
-      for (std::size_t n = 0; n < numbers; ++n)
-        move(next[n], n, [&](std::size_t t) {
-          return -step * scale[n] * static_cast<double>(gradient[n][t] / largest);
-        });
-      PatchState state = objective.state(std::move(next));
-      is_better = state.objective < at.objective;
-      // It gains little in many steps: no step is too small to go on.
-      if (is_better) course.take(std::move(state));
-    }
-    if (!is_better || course.stop == InversionStop::interrupted) return;
   }
 }
 

@@ -11,9 +11,4 @@ namespace lamina::detail {
 void run_lbfgs(PatchObjective& objective, const TexelMaps& level, InversionCourse& course,
                int most_steps);
 
-/// Steps down a gradient that is estimated by moving each number at all texels at once, as
-/// [Donner2008] §6 does: each texel takes the change of its own light alone. In shares of the
-/// values of the reference skin.
-void run_gradient_descent(const PatchObjective& objective, InversionCourse& course);
-
 }  // namespace lamina::detail
