@@ -104,9 +104,9 @@ TEST(SkinGains, OfAnImageBringItsColorsToSkin) {
   for (std::size_t c = 0; c < 3; ++c)
     EXPECT_NEAR(std::log(found.gains[c] / static_cast<double>(gains[c])), 0.0,
                 2.0 * std::sqrt(found.covariance(c, c)));
-  EXPECT_EQ(share_of_skin(image, skin, std::vector{1.0, 1.0, 1.0}, colors), 0.0);
-  EXPECT_EQ(share_of_skin(image, skin, found.gains, colors), 1.0);
-  EXPECT_NEAR(share_of_skin(image, all, found.gains, colors), 2.0 / 3.0, 1e-9);
+  EXPECT_EQ(pixels_of_skin(image, skin, std::vector{1.0, 1.0, 1.0}, colors).skin, 0u);
+  EXPECT_EQ(pixels_of_skin(image, skin, found.gains, colors).skin, 2000u);
+  EXPECT_EQ(pixels_of_skin(image, all, found.gains, colors).skin, 2000u);
 
   PixelMask none = all;
   for (auto& fault : none.faults) fault = 1;
@@ -150,7 +150,8 @@ TEST(SkinGains, AreFoundAmongWhatIsNoSkin) {
   // By the middle of all, skin is none.
   const std::vector<double> seen = median_log_color(image, all);
   const SkinGains of_all = fit_skin_gains({&seen, 1}, colors);
-  EXPECT_LT(share_of_skin(image, all, of_all.gains, colors), 0.05);
+  EXPECT_LT(static_cast<double>(pixels_of_skin(image, all, of_all.gains, colors).skin),
+            0.05 * static_cast<double>(count_pixels(all).used));
 }
 
 TEST(SkinColors, AreThoseOfMeasuredForearms) {

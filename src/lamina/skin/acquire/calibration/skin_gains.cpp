@@ -231,11 +231,4 @@ FoundSkinGains find_skin_gains(const Image& image, const PixelMask& mask,
   return {std::move(gains), std::move(pixels)};
 }
 
-double share_of_skin(const Image& image, const PixelMask& mask, std::span<const double> gains,
-                     const SkinColors& population) {
-  const SkinPixels found = pixels_of_skin(image, mask, gains, population);
-  const std::size_t all = found.skin + found.dark + found.bright + found.colored;
-  return all > 0 ? static_cast<double>(found.skin) / static_cast<double>(all) : 0.0;
-}
-
 }  // namespace lamina

@@ -103,8 +103,4 @@ struct FoundSkinGains {
                                              const SkinColors& population,
                                              const SkinGainPrior& prior = {});
 
-/// The share of pixels whose corrected color lies in the ellipsoid that holds 99 % of people's.
-[[nodiscard]] double share_of_skin(const Image& image, const PixelMask& mask,
-                                   std::span<const double> gains, const SkinColors& population);
-
 }  // namespace lamina
