@@ -7,7 +7,7 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/skin/acquire/capture_patch.h"
-#include "lamina/skin/acquire/inversion/inversion_tables.h"
+#include "lamina/skin/acquire/inversion/texels/inversion_tables.h"
 
 namespace lamina {
 namespace {

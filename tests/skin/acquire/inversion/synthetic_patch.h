@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "lamina/layers/materials/skin.h"
-#include "lamina/skin/acquire/inversion/patch_capture.h"
+#include "lamina/skin/acquire/inversion/texels/patch_capture.h"
 #include "lamina/skin/patch/skin_patch.h"
 
 namespace lamina {

@@ -9,12 +9,12 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
-#include "lamina/skin/acquire/inversion/internal/coarser_capture.h"
-#include "lamina/skin/acquire/inversion/internal/gauss_newton.h"
-#include "lamina/skin/acquire/inversion/internal/lbfgs.h"
-#include "lamina/skin/acquire/inversion/internal/local_fit.h"
-#include "lamina/skin/acquire/inversion/internal/posterior.h"
-#include "lamina/skin/acquire/inversion/internal/smoothness_choice.h"
+#include "lamina/skin/acquire/inversion/errors/local_fit.h"
+#include "lamina/skin/acquire/inversion/errors/posterior.h"
+#include "lamina/skin/acquire/inversion/errors/smoothness_choice.h"
+#include "lamina/skin/acquire/inversion/objective/coarser_capture.h"
+#include "lamina/skin/acquire/inversion/steps/gauss_newton.h"
+#include "lamina/skin/acquire/inversion/steps/lbfgs.h"
 
 namespace lamina {
 namespace {

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/internal/skin_at_texel.h"
+#include "lamina/skin/acquire/inversion/texels/skin_at_texel.h"
 
 #include <algorithm>
 #include <cassert>

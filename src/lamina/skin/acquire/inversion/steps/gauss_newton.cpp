@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/internal/gauss_newton.h"
+#include "lamina/skin/acquire/inversion/steps/gauss_newton.h"
 
 namespace lamina::detail {
 

@@ -3,9 +3,10 @@
 
 #include <vector>
 
-#include "lamina/skin/acquire/inversion/internal/map_smoothness.h"
-#include "lamina/skin/acquire/inversion/internal/patch_light.h"
-#include "lamina/skin/acquire/inversion/patch_inversion.h"
+#include "lamina/skin/acquire/inversion/objective/inversion_options.h"
+#include "lamina/skin/acquire/inversion/objective/map_smoothness.h"
+#include "lamina/skin/acquire/inversion/objective/patch_light.h"
+#include "lamina/skin/fit/least_squares/band_misfit.h"
 
 namespace lamina::detail {
 

@@ -1,9 +1,9 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/internal/lbfgs.h"
+#include "lamina/skin/acquire/inversion/steps/lbfgs.h"
 
 #include <deque>
 
-#include "lamina/skin/acquire/inversion/internal/band_blocks.h"
+#include "lamina/skin/acquire/inversion/steps/band_blocks.h"
 
 namespace lamina::detail {
 namespace {

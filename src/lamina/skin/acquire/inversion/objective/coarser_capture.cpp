@@ -1,10 +1,10 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/internal/coarser_capture.h"
+#include "lamina/skin/acquire/inversion/objective/coarser_capture.h"
 
 #include <cmath>
 #include <limits>
 
-#include "lamina/skin/acquire/inversion/internal/half_grid.h"
+#include "lamina/skin/acquire/inversion/objective/half_grid.h"
 
 namespace lamina::detail {
 namespace {

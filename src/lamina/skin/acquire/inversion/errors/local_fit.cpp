@@ -1,12 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/internal/local_fit.h"
+#include "lamina/skin/acquire/inversion/errors/local_fit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "lamina/base/core/parallel.h"
-#include "lamina/skin/acquire/inversion/internal/local_model.h"
+#include "lamina/skin/acquire/inversion/texels/local_model.h"
 
 namespace lamina::detail {
 namespace {

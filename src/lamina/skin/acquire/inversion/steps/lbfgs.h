@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/skin/acquire/inversion/internal/inversion_course.h"
+#include "lamina/skin/acquire/inversion/steps/inversion_course.h"
 
 namespace lamina::detail {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "lamina/base/core/dense_matrix.h"
-#include "lamina/skin/acquire/inversion/local_reflectance.h"
-#include "lamina/skin/acquire/inversion/patch_capture.h"
+#include "lamina/skin/acquire/inversion/texels/local_reflectance.h"
+#include "lamina/skin/acquire/inversion/texels/patch_capture.h"
 #include "lamina/skin/fit/skin/skin_population.h"
 #include "lamina/solve/scattering/heterogeneous/transport_gradient.h"
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "lamina/skin/acquire/inversion/internal/half_grid.h"
+#include "lamina/skin/acquire/inversion/objective/half_grid.h"
 
 namespace lamina::detail {
 

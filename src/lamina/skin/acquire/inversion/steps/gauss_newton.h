@@ -3,8 +3,8 @@
 
 #include <limits>
 
-#include "lamina/skin/acquire/inversion/internal/band_blocks.h"
-#include "lamina/skin/acquire/inversion/internal/inversion_course.h"
+#include "lamina/skin/acquire/inversion/steps/band_blocks.h"
+#include "lamina/skin/acquire/inversion/steps/inversion_course.h"
 
 namespace lamina::detail {
 

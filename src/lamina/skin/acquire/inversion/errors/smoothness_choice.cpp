@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/internal/smoothness_choice.h"
+#include "lamina/skin/acquire/inversion/errors/smoothness_choice.h"
 
 #include <algorithm>
 #include <array>

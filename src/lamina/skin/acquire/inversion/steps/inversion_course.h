@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "lamina/skin/acquire/inversion/internal/patch_objective.h"
+#include "lamina/skin/acquire/inversion/objective/patch_objective.h"
 
 namespace lamina::detail {
 

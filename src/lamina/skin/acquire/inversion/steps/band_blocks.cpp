@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/internal/band_blocks.h"
+#include "lamina/skin/acquire/inversion/steps/band_blocks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/core/random.h"
 #include "lamina/base/core/small_matrix.h"
-#include "lamina/skin/acquire/inversion/internal/local_model.h"
-#include "lamina/skin/acquire/inversion/internal/skin_at_texel.h"
+#include "lamina/skin/acquire/inversion/texels/local_model.h"
+#include "lamina/skin/acquire/inversion/texels/skin_at_texel.h"
 
 namespace lamina::detail {
 namespace {

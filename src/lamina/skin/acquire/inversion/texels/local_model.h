@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "lamina/base/core/small_matrix.h"
-#include "lamina/skin/acquire/inversion/internal/skin_at_texel.h"
-#include "lamina/skin/acquire/inversion/inversion_tables.h"
+#include "lamina/skin/acquire/inversion/texels/inversion_tables.h"
+#include "lamina/skin/acquire/inversion/texels/skin_at_texel.h"
 
 namespace lamina::detail {
 

@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/skin/acquire/inversion/internal/patch_maps.h"
-#include "lamina/skin/acquire/inversion/patch_capture.h"
+#include "lamina/skin/acquire/inversion/objective/patch_maps.h"
+#include "lamina/skin/acquire/inversion/texels/patch_capture.h"
 
 namespace lamina::detail {
 

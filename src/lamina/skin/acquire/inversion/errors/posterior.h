@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/base/core/dense_matrix.h"
-#include "lamina/skin/acquire/inversion/internal/band_blocks.h"
+#include "lamina/skin/acquire/inversion/steps/band_blocks.h"
 
 namespace lamina::detail {
 

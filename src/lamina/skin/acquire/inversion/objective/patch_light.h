@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "lamina/skin/acquire/inversion/internal/patch_maps.h"
-#include "lamina/skin/acquire/inversion/internal/skin_at_texel.h"
-#include "lamina/skin/acquire/inversion/inversion_tables.h"
+#include "lamina/skin/acquire/inversion/objective/patch_maps.h"
+#include "lamina/skin/acquire/inversion/texels/inversion_tables.h"
+#include "lamina/skin/acquire/inversion/texels/skin_at_texel.h"
 
 namespace lamina::detail {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "lamina/skin/acquire/inversion/internal/map_smoothness.h"
-#include "lamina/skin/acquire/inversion/internal/posterior.h"
+#include "lamina/skin/acquire/inversion/errors/posterior.h"
+#include "lamina/skin/acquire/inversion/objective/map_smoothness.h"
 
 namespace lamina::detail {
 

@@ -1,12 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/internal/patch_objective.h"
+#include "lamina/skin/acquire/inversion/objective/patch_objective.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "lamina/base/core/parallel.h"
-#include "lamina/skin/acquire/inversion/internal/half_grid.h"
+#include "lamina/skin/acquire/inversion/objective/half_grid.h"
 
 namespace lamina::detail {
 PatchObjective::PatchObjective(const PatchCapture& capture, const InversionTables& tables,

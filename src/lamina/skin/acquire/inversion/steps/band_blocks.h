@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "lamina/base/core/small_matrix.h"
-#include "lamina/skin/acquire/inversion/internal/half_grid.h"
-#include "lamina/skin/acquire/inversion/internal/patch_objective.h"
-#include "lamina/skin/acquire/inversion/internal/skin_at_texel.h"
+#include "lamina/skin/acquire/inversion/objective/half_grid.h"
+#include "lamina/skin/acquire/inversion/objective/patch_objective.h"
+#include "lamina/skin/acquire/inversion/texels/skin_at_texel.h"
 
 namespace lamina::detail {
 

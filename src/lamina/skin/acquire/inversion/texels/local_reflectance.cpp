@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/local_reflectance.h"
+#include "lamina/skin/acquire/inversion/texels/local_reflectance.h"
 
 #include <algorithm>
 #include <cmath>

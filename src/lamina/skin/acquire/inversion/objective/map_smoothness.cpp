@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/internal/map_smoothness.h"
+#include "lamina/skin/acquire/inversion/objective/map_smoothness.h"
 
 namespace lamina::detail {
 namespace {

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/inversion_tables.h"
+#include "lamina/skin/acquire/inversion/texels/inversion_tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/core/parallel.h"
-#include "lamina/skin/acquire/inversion/internal/local_model.h"
+#include "lamina/skin/acquire/inversion/texels/local_model.h"
 #include "lamina/skin/patch/skin_patch.h"
 #include "lamina/solve/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/solve/scattering/heterogeneous/oblique_light.h"

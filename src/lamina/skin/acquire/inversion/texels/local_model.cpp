@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/internal/local_model.h"
+#include "lamina/skin/acquire/inversion/texels/local_model.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/patch_capture.h"
+#include "lamina/skin/acquire/inversion/texels/patch_capture.h"
 
 #include <algorithm>
 #include <cmath>

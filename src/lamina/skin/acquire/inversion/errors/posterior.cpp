@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/acquire/inversion/internal/posterior.h"
+#include "lamina/skin/acquire/inversion/errors/posterior.h"
 
 #include <cmath>
 #include <utility>
@@ -7,8 +7,8 @@
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/core/random.h"
 #include "lamina/base/core/small_matrix.h"
-#include "lamina/skin/acquire/inversion/internal/gauss_newton.h"
-#include "lamina/skin/acquire/inversion/internal/skin_at_texel.h"
+#include "lamina/skin/acquire/inversion/steps/gauss_newton.h"
+#include "lamina/skin/acquire/inversion/texels/skin_at_texel.h"
 
 namespace lamina::detail {
 namespace {
