@@ -15,7 +15,7 @@
 #include "lamina/scene/skin_surface/surface_skin_maps.h"
 #include "lamina/skin/acquire/capture.h"
 #include "lamina/skin/acquire/files/capture_file.h"
-#include "lamina/skin/fit/measurement.h"
+#include "lamina/skin/fit/measured/measurement.h"
 #include "lamina/skin/fit/skin/skin_population.h"
 #include "lamina/skin/maps/edits/editable_skin.h"
 #include "lamina/skin/maps/edits/files/editable_skin_file.h"

@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "fuzz_input.h"
-#include "lamina/skin/fit/measurement.h"
+#include "lamina/skin/fit/measured/measurement.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lamina;

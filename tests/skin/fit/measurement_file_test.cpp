@@ -11,8 +11,8 @@
 
 #include "base/io/bad_files.h"
 #include "lamina/base/core/error.h"
-#include "lamina/skin/fit/internal/measurement_model.h"
-#include "lamina/skin/fit/measurement.h"
+#include "lamina/skin/fit/measured/measurement.h"
+#include "lamina/skin/fit/predicted/measurement_model.h"
 
 namespace lamina {
 namespace {

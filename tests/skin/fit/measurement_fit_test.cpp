@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/skin/fit/internal/measurement_model.h"
-#include "lamina/skin/fit/internal/series_prediction.h"
+#include "lamina/skin/fit/predicted/measurement_model.h"
+#include "lamina/skin/fit/predicted/series_prediction.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/solve/scattering/transport_profile/spatial_frequency_response.h"

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/skin/fit/internal/measurement_model.h"
+#include "lamina/skin/fit/predicted/measurement_model.h"
 
 namespace lamina {
 

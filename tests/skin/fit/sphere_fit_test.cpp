@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "lamina/skin/fit/internal/measurement_model.h"
 #include "lamina/skin/fit/measurement_fit.h"
+#include "lamina/skin/fit/predicted/measurement_model.h"
 #include "lamina/solve/integrating_sphere/lost_light.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "skin/fit/model_derivatives.h"

@@ -9,7 +9,7 @@
 
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/core/parallel.h"
-#include "lamina/skin/fit/internal/measurement_model.h"
+#include "lamina/skin/fit/predicted/measurement_model.h"
 
 namespace lamina {
 namespace {

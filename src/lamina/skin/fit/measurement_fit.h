@@ -10,8 +10,8 @@
 #include "lamina/base/core/dense_matrix.h"
 #include "lamina/base/core/progress.h"
 #include "lamina/skin/fit/least_squares/nonlinear_fit.h"
-#include "lamina/skin/fit/measurement.h"
-#include "lamina/skin/fit/measurement_tables.h"
+#include "lamina/skin/fit/measured/measurement.h"
+#include "lamina/skin/fit/predicted/measurement_tables.h"
 
 namespace lamina {
 

@@ -10,13 +10,10 @@
 #include "lamina/base/core/dense_matrix.h"
 #include "lamina/base/core/progress.h"
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/skin/fit/internal/time_curves.h"
-#include "lamina/skin/fit/measurement.h"
+#include "lamina/skin/fit/measured/measurement.h"
+#include "lamina/skin/fit/predicted/time_curves.h"
 
 namespace lamina::fit_detail {
-
-/// Number of unknown factors of a series in all its bands.
-[[nodiscard]] std::size_t count_unknown_factors(const MeasuredSeries& series);
 
 /// The points of a series over time or frequency in one band, as a function of the layers:
 /// diffusion, corrected by photons. Points count by their logarithms where the model says so. A

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/fit/internal/measured_column.h"
+#include "lamina/skin/fit/measured/measured_column.h"
 
 #include <cmath>
 #include <string>

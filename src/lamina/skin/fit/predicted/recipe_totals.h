@@ -7,7 +7,7 @@
 #include <string>
 
 #include "lamina/base/core/progress.h"
-#include "lamina/skin/fit/measurement.h"
+#include "lamina/skin/fit/measured/measurement.h"
 
 namespace lamina::fit_detail {
 

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/fit/internal/series_prediction.h"
+#include "lamina/skin/fit/predicted/series_prediction.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "lamina/base/core/quadrature.h"
-#include "lamina/skin/fit/internal/sphere_totals.h"
+#include "lamina/skin/fit/predicted/sphere_totals.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/solve/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"
 #include "lamina/solve/scattering/diffusion/diffusion_profile.h"

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/fit/internal/measurement_model.h"
+#include "lamina/skin/fit/predicted/measurement_model.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/parallel.h"
-#include "lamina/skin/fit/internal/decoded_timed_series.h"
-#include "lamina/skin/fit/internal/layer_change.h"
-#include "lamina/skin/fit/internal/series_prediction.h"
+#include "lamina/skin/fit/measured/decoded_timed_series.h"
+#include "lamina/skin/fit/predicted/layer_change.h"
+#include "lamina/skin/fit/predicted/series_prediction.h"
 
 namespace lamina::fit_detail {
 namespace {

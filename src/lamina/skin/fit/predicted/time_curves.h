@@ -8,7 +8,7 @@
 
 #include "lamina/base/core/progress.h"
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/skin/fit/measurement.h"
+#include "lamina/skin/fit/measured/measurement.h"
 
 namespace lamina::fit_detail {
 

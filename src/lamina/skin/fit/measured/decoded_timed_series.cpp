@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/fit/internal/decoded_timed_series.h"
+#include "lamina/skin/fit/measured/decoded_timed_series.h"
 
 #include <algorithm>
 #include <array>
@@ -14,8 +14,8 @@
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/core/quadrature.h"
 #include "lamina/base/io/csv_table.h"
-#include "lamina/skin/fit/internal/measured_column.h"
-#include "lamina/skin/fit/internal/measured_table.h"
+#include "lamina/skin/fit/measured/measured_column.h"
+#include "lamina/skin/fit/measured/measured_table.h"
 
 namespace lamina::fit_detail {
 namespace {
@@ -156,6 +156,15 @@ bool is_timed(MeasurementKind kind) {
 
 bool is_timed_column(std::string_view column) {
   return std::ranges::count(timed_columns, column) > 0;
+}
+
+std::size_t count_unknown_factors(const MeasuredSeries& series) {
+  if (!series.is_relative) return 0;
+  std::set<std::pair<std::size_t, double>> curves;
+  for (const MeasuredPoint& point : series.points)
+    if (point.quantity != MeasuredQuantity::phase)
+      curves.insert({point.band, series.kind == MeasurementKind::time_resolved ? point.r : 0.0});
+  return curves.size();
 }
 
 DecodedSeries decode_timed_series(const JsonInput& value, MeasurementKind kind) {

@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "lamina/base/io/json_input.h"
-#include "lamina/skin/fit/internal/measured_table.h"
-#include "lamina/skin/fit/measurement.h"
+#include "lamina/skin/fit/measured/measured_table.h"
+#include "lamina/skin/fit/measured/measurement.h"
 
 namespace lamina::fit_detail {
 

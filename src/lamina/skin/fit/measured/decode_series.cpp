@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/fit/internal/decoded_series.h"
+#include "lamina/skin/fit/measured/decoded_series.h"
 
 #include <array>
 #include <cmath>
@@ -8,10 +8,10 @@
 #include <string_view>
 
 #include "lamina/base/core/number_text.h"
-#include "lamina/skin/fit/internal/decoded_spheres.h"
-#include "lamina/skin/fit/internal/decoded_timed_series.h"
-#include "lamina/skin/fit/internal/measured_column.h"
-#include "lamina/skin/fit/internal/measured_table.h"
+#include "lamina/skin/fit/measured/decoded_spheres.h"
+#include "lamina/skin/fit/measured/decoded_timed_series.h"
+#include "lamina/skin/fit/measured/measured_column.h"
+#include "lamina/skin/fit/measured/measured_table.h"
 
 namespace lamina::fit_detail {
 namespace {

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/fit/internal/time_curves.h"
+#include "lamina/skin/fit/predicted/time_curves.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "lamina/base/io/json_input.h"
-#include "lamina/skin/fit/measurement.h"
+#include "lamina/skin/fit/measured/measurement.h"
 
 namespace lamina::fit_detail {
 

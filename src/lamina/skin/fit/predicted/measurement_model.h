@@ -9,11 +9,11 @@
 #include "lamina/base/core/dense_matrix.h"
 #include "lamina/base/core/progress.h"
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/skin/fit/internal/recipe_totals.h"
-#include "lamina/skin/fit/internal/timed_prediction.h"
 #include "lamina/skin/fit/least_squares/nonlinear_fit.h"
-#include "lamina/skin/fit/measurement.h"
-#include "lamina/skin/fit/measurement_tables.h"
+#include "lamina/skin/fit/measured/measurement.h"
+#include "lamina/skin/fit/predicted/measurement_tables.h"
+#include "lamina/skin/fit/predicted/recipe_totals.h"
+#include "lamina/skin/fit/predicted/timed_prediction.h"
 
 namespace lamina::fit_detail {
 

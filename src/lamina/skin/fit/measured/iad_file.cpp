@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/fit/internal/iad_file.h"
+#include "lamina/skin/fit/measured/iad_file.h"
 
 #include <algorithm>
 #include <array>

@@ -1,11 +1,13 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/fit/internal/timed_prediction.h"
+#include "lamina/skin/fit/predicted/timed_prediction.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
 #include <utility>
+
+#include "lamina/skin/fit/measured/decoded_timed_series.h"
 
 namespace lamina::fit_detail {
 namespace {
@@ -56,15 +58,6 @@ Wave wave_of(const TimeCurve& curve, double frequency, const Light& light) {
 }
 
 }  // namespace
-
-std::size_t count_unknown_factors(const MeasuredSeries& series) {
-  if (!series.is_relative) return 0;
-  std::set<std::pair<std::size_t, double>> curves;
-  for (const MeasuredPoint& point : series.points)
-    if (point.quantity != MeasuredQuantity::phase)
-      curves.insert({point.band, series.kind == MeasurementKind::time_resolved ? point.r : 0.0});
-  return curves.size();
-}
 
 TimedPrediction::TimedPrediction(const MeasuredSeries& series, std::vector<MeasuredPoint> points,
                                  std::vector<bool> is_logarithmic)

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/skin/fit/internal/measured_table.h"
-#include "lamina/skin/fit/measurement.h"
+#include "lamina/skin/fit/measured/measured_table.h"
+#include "lamina/skin/fit/measured/measurement.h"
 
 namespace lamina::fit_detail {
 

@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/fit/measurement_tables.h"
+#include "lamina/skin/fit/predicted/measurement_tables.h"
 
-#include "lamina/skin/fit/internal/recipe_totals.h"
+#include "lamina/skin/fit/predicted/recipe_totals.h"
 
 namespace lamina {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/skin/fit/measurement.h"
+#include "lamina/skin/fit/measured/measurement.h"
 #include "lamina/solve/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"
 
 namespace lamina::fit_detail {

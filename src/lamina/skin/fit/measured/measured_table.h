@@ -11,7 +11,7 @@
 
 #include "lamina/base/io/csv_table.h"
 #include "lamina/base/io/json_input.h"
-#include "lamina/skin/fit/internal/iad_file.h"
+#include "lamina/skin/fit/measured/iad_file.h"
 
 namespace lamina::fit_detail {
 

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/fit/internal/sphere_totals.h"
+#include "lamina/skin/fit/predicted/sphere_totals.h"
 
 #include <algorithm>
 #include <cstdint>

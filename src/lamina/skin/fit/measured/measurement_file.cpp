@@ -11,10 +11,10 @@
 #include "lamina/base/io/json_output.h"
 #include "lamina/layers/materials/builtin_texts.h"
 #include "lamina/layers/materials/material_file.h"
-#include "lamina/skin/fit/internal/decoded_free.h"
-#include "lamina/skin/fit/internal/decoded_series.h"
-#include "lamina/skin/fit/internal/timed_prediction.h"
-#include "lamina/skin/fit/measurement.h"
+#include "lamina/skin/fit/measured/decoded_free.h"
+#include "lamina/skin/fit/measured/decoded_series.h"
+#include "lamina/skin/fit/measured/decoded_timed_series.h"
+#include "lamina/skin/fit/measured/measurement.h"
 #include "lamina/solve/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/skin/fit/internal/decoded_spheres.h"
+#include "lamina/skin/fit/measured/decoded_spheres.h"
 
 #include <algorithm>
 #include <string>
