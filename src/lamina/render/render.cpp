@@ -36,7 +36,6 @@
 #include "lamina/render/subsurface/preparation.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/scene/description/common_bands.h"
-#include "lamina/scene/description/material_layer_maps.h"
 #include "lamina/scene/description/materials_in_use.h"
 #include "lamina/scene/description/method_settings.h"
 
@@ -90,7 +89,7 @@ template <int N>
 LayeredMaterials<N> make_layered_materials(const RenderScene& scene,
                                            const BandConversion<N>& conversion) {
   LayeredMaterials<N> layered(scene.scene->materials.size());
-  if (!scene.scene->render.method->is_bsdf) return layered;
+  if (!scene.settings.method->is_bsdf) return layered;
   for (const std::uint32_t m : translucent_materials_in_use(*scene.scene))
     layered[m] = std::make_unique<LayeredMaterial<N>>(scene, conversion, m);
   return layered;
@@ -108,14 +107,15 @@ bool prepare(const SubsurfaceMethods<N>& methods, const Preparation<N>& with) {
 }
 
 /// Where profiles come from, with a warning for what nobody asked for.
-void report_profiles(const Scene& scene, RenderStatistics& statistics) {
-  if (!scene.render.method->uses_profile) return;
-  const ProfileMaker profiles(scene.render);
+void report_profiles(const Scene& scene, const RenderSettings& settings,
+                     RenderStatistics& statistics) {
+  if (!settings.method->uses_profile) return;
+  const ProfileMaker profiles(settings);
   for (const std::uint32_t m : translucent_materials_in_use(scene)) {
     const Material& material = std::get<SubsurfaceSurface>(scene.materials[m].surface).material;
     const auto source = profiles.source(material);
     statistics.profiles.push_back({m, source});
-    if (source != profile_of(scene.render) && !material.is_by_diffusion)
+    if (source != profile_of(settings) && !material.is_by_diffusion)
       statistics.warnings.push_back(
           "material \"" + scene.materials[m].name + "\": its profile is by " +
           std::string(name_of(source)) +
@@ -166,19 +166,19 @@ void clamp_sample(float most, CameraSample& sample) {
 }
 
 /// The samples of each pixel that are asked for.
-IndexRange sample_range(const Scene& scene, const RenderOptions& options) {
-  return range_of(options.part ? options.part->shard : Shard{}, scene.render.samples_per_pixel);
+IndexRange sample_range(const RenderSettings& settings, const RenderOptions& options) {
+  return range_of(options.part ? options.part->shard : Shard{}, settings.samples_per_pixel);
 }
 
 /// What a checkpoint follows from: the picture, and the part of it.
-std::uint64_t checkpoint_key(std::uint64_t picture, const Scene& scene,
+std::uint64_t checkpoint_key(std::uint64_t picture, const RenderSettings& settings,
                              const RenderOptions& options) {
   if (!options.part) return picture;
   Hash hash;
   hash.add(picture);
   hash.add(options.part->shard.index);
   hash.add(options.part->shard.count);
-  hash.add(scene.render.samples_per_pixel);
+  hash.add(settings.samples_per_pixel);
   return hash.value();
 }
 
@@ -225,20 +225,21 @@ std::vector<ImageNote> picture_notes(const Scene& scene, SceneMethod method) {
 }
 
 /// @param picture_key  of the scene, whose method may have been left open
-void save_part(const Scene& scene, const RenderOptions& options, std::uint64_t picture_key,
-               const RenderStatistics& statistics, const FilmAccumulator& film) {
+void save_part(const Scene& scene, const RenderSettings& settings, const RenderOptions& options,
+               std::uint64_t picture_key, const RenderStatistics& statistics,
+               const FilmAccumulator& film) {
   save_film_shard(options.part->file,
                   {.version = options.part->version,
                    .program = program_key(),
                    .key = picture_key,
                    .method = std::string(statistics.method.name()),
-                   .seed = scene.render.seed,
+                   .seed = settings.seed,
                    .width = film.width(),
                    .height = film.height(),
                    .frame = frame_of(scene.film),
-                   .samples = scene.render.samples_per_pixel,
+                   .samples = settings.samples_per_pixel,
                    .shards = options.part->shard.count,
-                   .ranges = {sample_range(scene, options)},
+                   .ranges = {sample_range(settings, options)},
                    .view = scene.film.view,
                    .exposure = static_cast<double>(scene.film.exposure),
                    .has_alpha = scene.film.has_alpha,
@@ -263,7 +264,7 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
   const Coverings<N> coverings = make_coverings<N>(scene);
   const CameraRays camera(scene.scene->camera, width, height);
   const SeenSurface seen = find_seen_surface<N>(scene, conversion, sheets, coverings, camera);
-  const RenderSettings& settings = scene.scene->render;
+  const RenderSettings& settings = scene.settings;
   const SubsurfaceMethods<N> methods =
       make_subsurface_methods<N>(scene, conversion, options, progress);
   const LayeredMaterials<N> layered = make_layered_materials<N>(scene, conversion);
@@ -274,8 +275,8 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
                               sheets,
                               coverings,
                               {.max_bounces = settings.max_bounces,
-                               .direct_light = static_cast<DirectLight>(options.direct_light)}});
-  LightCache cache(*scene.scene, options);
+                               .direct_light = options.direct_light}});
+  LightCache cache(scene, options);
   PreparationReport report;
   const Preparation<N> preparation{scene, tracer, camera, seen, cache, progress, report};
   statistics.expected_cpu_seconds =
@@ -288,11 +289,11 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
   statistics.corrections = report.corrections;
   statistics.warnings.insert(statistics.warnings.end(), report.warnings.begin(),
                              report.warnings.end());
-  report_profiles(*scene.scene, statistics);
+  report_profiles(*scene.scene, settings, statistics);
   if (!is_prepared || options.only_prepares) return is_prepared;
 
-  key = picture_key(*scene.scene, options);
-  const IndexRange range = sample_range(*scene.scene, options);
+  key = picture_key(*scene.scene, settings, options);
+  const IndexRange range = sample_range(settings, options);
   const PixelRectangle area = rendered_area(scene.scene->film);
   const auto sample = [&](int in_x, int in_y, int in_range) {
     const int x = area.x + in_x, y = area.y + in_y;
@@ -317,7 +318,7 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
       {.samples = static_cast<int>(range.size()),
        .noise = settings.noise,
        .checkpoint = options.checkpoint,
-       .key = checkpoint_key(key, *scene.scene, options),
+       .key = checkpoint_key(key, settings, options),
        .light = light_key(report),
        .resumes = options.resumes,
        .keeps = options.keeps_samples,
@@ -335,50 +336,47 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
 
 }  // namespace
 
-RenderResult render(const Scene& given, const RenderOptions& options, const Progress& progress) {
+RenderResult render(const Scene& scene, const RenderOptions& options, const Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   const double cpu_before = cpu_seconds();
   const auto require = [](bool holds, const std::string& rule, double value) {
     if (!holds) throw InvalidInput(rule + ", but is " + number_text(value));
   };
-  require(given.film.width >= 1 && given.film.width <= 65536, "film: width must lie in [1, 65536]",
-          given.film.width);
-  require(given.film.height >= 1 && given.film.height <= 65536,
-          "film: height must lie in [1, 65536]", given.film.height);
-  require(given.render.samples_per_pixel >= 1 && given.render.samples_per_pixel <= (1 << 24),
-          "render: samples_per_pixel must lie in [1, 16777216]", given.render.samples_per_pixel);
-  require(given.render.max_bounces >= 0, "render: max_bounces must be >= 0",
-          given.render.max_bounces);
-  require(given.render.noise >= 0.0f && given.render.noise <= 1.0f,
-          "render: noise must lie in [0, 1]", static_cast<double>(given.render.noise));
-  require(given.render.clamp >= 0.0f, "render: clamp must be >= 0",
-          static_cast<double>(given.render.clamp));
-  const PixelRectangle area = rendered_area(given.film);
-  require_inside(area, given.film.width, given.film.height, "film: the region");
-  if (given.film.region)
-    require(given.render.noise == 0.0f,
+  require(scene.film.width >= 1 && scene.film.width <= 65536, "film: width must lie in [1, 65536]",
+          scene.film.width);
+  require(scene.film.height >= 1 && scene.film.height <= 65536,
+          "film: height must lie in [1, 65536]", scene.film.height);
+  require(scene.render.samples_per_pixel >= 1 && scene.render.samples_per_pixel <= (1 << 24),
+          "render: samples_per_pixel must lie in [1, 16777216]", scene.render.samples_per_pixel);
+  require(scene.render.max_bounces >= 0, "render: max_bounces must be >= 0",
+          scene.render.max_bounces);
+  require(scene.render.noise >= 0.0f && scene.render.noise <= 1.0f,
+          "render: noise must lie in [0, 1]", static_cast<double>(scene.render.noise));
+  require(scene.render.clamp >= 0.0f, "render: clamp must be >= 0",
+          static_cast<double>(scene.render.clamp));
+  const PixelRectangle area = rendered_area(scene.film);
+  require_inside(area, scene.film.width, scene.film.height, "film: the region");
+  if (scene.film.region)
+    require(scene.render.noise == 0.0f,
             "render: noise must be 0 with a region, whose pixels are those of the whole picture",
-            static_cast<double>(given.render.noise));
-  check_part(given, options);
+            static_cast<double>(scene.render.noise));
+  check_part(scene, options);
   if (options.has_mattes && options.part) throw InvalidInput("render: a part has no mattes");
   if (options.has_mattes && options.resumes)
     throw InvalidInput("render: mattes are of all samples, so they do not go with going on");
-  require_honoured(given);
+  require_honoured(scene);
   RenderResult result;
   auto& statistics = result.statistics;
-  std::optional<Scene> chosen;
-  if (given.render.method.is_open()) {
-    const auto [method, why] = choose_method(given, options);
-    chosen = given;
-    chosen->render.method = method;
+  RenderSettings settings = scene.render;
+  if (settings.method.is_open()) {
+    const auto [method, why] = choose_method(scene, options);
+    settings.method = method;
     statistics.why_method = why;
   }
-  const Scene& scene = chosen ? *chosen : given;
-  statistics.method = scene.render.method;
-  statistics.warnings = warnings_of_small_bodies(scene);
+  statistics.method = settings.method;
+  statistics.warnings = warnings_of_small_bodies(scene, settings);
   const BandSet bands = common_bands(scene);
-  const std::optional<Scene> with_layer_maps = with_material_maps_as_layer_maps(scene);
-  RenderScene prepared(with_layer_maps ? *with_layer_maps : scene);
+  const RenderScene prepared(scene, settings);
   FilmAccumulator film(area.width, area.height);
   std::optional<MatteFilm> mattes;
   if (options.has_mattes) mattes.emplace(area.width, area.height);
@@ -399,7 +397,7 @@ RenderResult render(const Scene& given, const RenderOptions& options, const Prog
   if (film.least_samples() == 0) throw Interrupted();  // no picture yet
   statistics.samples_per_pixel = film.mean_samples();
   if (options.part) {
-    if (statistics.is_complete) save_part(scene, options, key, statistics, film);
+    if (statistics.is_complete) save_part(scene, settings, options, key, statistics, film);
     return result;
   }
   result.image = film.image(scene.film.has_alpha);

@@ -10,7 +10,8 @@
 #include "lamina/base/image/files/image_file.h"
 #include "lamina/base/image/files/image_frame.h"
 #include "lamina/base/image/image.h"
-#include "lamina/scene/description/render_options.h"
+#include "lamina/render/film/render_options.h"
+#include "lamina/render/subsurface/preparation_report.h"
 #include "lamina/scene/description/scene.h"
 
 namespace lamina {

@@ -176,7 +176,8 @@ TEST(Covering, IsPartOfWhatKeptLightFollowsFrom) {
   const auto key = [](std::vector<Covering> over, std::optional<Coat::SecondLobe> second = {}) {
     SurfaceMaterial material = translucent(std::move(over));
     material.coat = Coat{.second = std::move(second)};
-    return light_fingerprint(square_in_even_light(std::move(material), 1.0), {}).materials;
+    const Scene scene = square_in_even_light(std::move(material), 1.0);
+    return light_fingerprint(scene, scene.render, {}).materials;
   };
   EXPECT_EQ(key({covering_of(film())}), key({covering_of(film())}));
   EXPECT_NE(key({covering_of(film())}), key({}));

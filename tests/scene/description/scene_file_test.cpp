@@ -366,7 +366,7 @@ TEST(SceneFile, TheExampleOfThePageLoads) {
   EXPECT_TRUE(scene.warnings.empty());
   // It is the one that comes with lamina.
   const Scene file = load_scene(root / "scenes/arm.json");
-  EXPECT_EQ(picture_key(scene, {}), picture_key(file, {}));
+  EXPECT_EQ(picture_key(scene, scene.render, {}), picture_key(file, file.render, {}));
 }
 
 TEST(SceneFile, LookHasItsColorAndSpread) {

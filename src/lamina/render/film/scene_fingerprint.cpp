@@ -277,18 +277,20 @@ std::uint64_t program_key() {
   return hash.value();
 }
 
-LightFingerprint light_fingerprint(const Scene& scene, const RenderOptions& options) {
-  SceneHash settings(true);
-  add_shared(settings, scene.render, options);
-  add_numbers(settings, scene.render);
+LightFingerprint light_fingerprint(const Scene& scene, const RenderSettings& settings,
+                                   const RenderOptions& options) {
+  SceneHash hash(true);
+  add_shared(hash, settings, options);
+  add_numbers(hash, settings);
   return {.meshes = hash_of(scene.meshes, true),
           .materials = hash_of(scene.materials, true),
           .maps = hash_of(scene.images, true),
           .lights = hash_of(scene.lights, true),
-          .settings = settings.value()};
+          .settings = hash.value()};
 }
 
-std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
+std::uint64_t picture_key(const Scene& scene, const RenderSettings& settings,
+                          const RenderOptions& options) {
   SceneHash hash(false);
   for (const std::uint64_t part : {hash_of(scene.meshes, false), hash_of(scene.materials, false),
                                    hash_of(scene.images, false), hash_of(scene.lights, false)})
@@ -301,10 +303,10 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   hash.add(scene.film.height);
   const PixelRectangle area = rendered_area(scene.film);
   for (const int number : {area.x, area.y, area.width, area.height}) hash.add(number);
-  add_shared(hash, scene.render, options);
+  add_shared(hash, settings, options);
   const auto& [method, orders, factors, single_scattering, profile, exit_angle, is_corrected,
                samples_per_pixel, noise, clamp, max_bounces, seed, hierarchy, texture_space,
-               shadow_map] = scene.render;
+               shadow_map] = settings;
   (void)method, (void)profile, (void)max_bounces, (void)seed;  // shared
   (void)hierarchy, (void)texture_space, (void)shadow_map;      // numbers of methods
   hash.add(orders);
@@ -315,7 +317,7 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   hash.add(is_corrected);
   hash.add(clamp);
   (void)samples_per_pixel, (void)noise;  // how many samples of it there are
-  add_numbers(hash, scene.render);
+  add_numbers(hash, settings);
   const auto& [direct_light, cache, memory, needs_cache, takes_foreign_light, checkpoint, resumes,
                keeps_samples, part, has_mattes, only_prepares, more_methods, on_notice, on_image,
                seconds_between_images] = options;

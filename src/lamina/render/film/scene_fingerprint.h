@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "lamina/scene/description/render_options.h"
+#include "lamina/render/film/render_options.h"
 #include "lamina/scene/description/scene.h"
 
 namespace lamina {
@@ -18,13 +18,17 @@ struct LightFingerprint {
   friend bool operator==(const LightFingerprint&, const LightFingerprint&) = default;
 };
 
-[[nodiscard]] LightFingerprint light_fingerprint(const Scene& scene, const RenderOptions& options);
+/// @param settings  in place of the scene's own
+[[nodiscard]] LightFingerprint light_fingerprint(const Scene& scene, const RenderSettings& settings,
+                                                 const RenderOptions& options);
 
 /// The program, as far as it makes pictures.
 [[nodiscard]] std::uint64_t program_key();
 
 /// All that the samples of a picture follow from, but for what is prepared by their number: the
 /// scene with its camera, the size of the picture, how it is rendered, and the program.
-[[nodiscard]] std::uint64_t picture_key(const Scene& scene, const RenderOptions& options);
+/// @param settings  in place of the scene's own
+[[nodiscard]] std::uint64_t picture_key(const Scene& scene, const RenderSettings& settings,
+                                        const RenderOptions& options);
 
 }  // namespace lamina

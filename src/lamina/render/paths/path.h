@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "lamina/render/film/render_options.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/covering.h"
 #include "lamina/render/shading/render_scene.h"
@@ -13,11 +14,6 @@
 #include "lamina/scene/surface/ray.h"
 
 namespace lamina {
-
-/// The ways to sample direct light: next-event estimation of lights, sampling of surfaces, or both
-/// by multiple importance sampling. Each alone converges to the same image; they are for tests,
-/// together they have the least noise.
-enum class DirectLight { combined, lights_only, surfaces_only };
 
 /// Candidates of resampled importance sampling: light samples that are weighed without shadows, to
 /// trace one of them.
@@ -29,7 +25,7 @@ inline constexpr float product_sampling_candidates = 32.0f;
 
 struct PathOptions {
   int max_bounces = 4;  ///< of light between surfaces
-  DirectLight direct_light = DirectLight::combined;
+  RenderOptions::DirectLight direct_light = RenderOptions::DirectLight::combined;
 };
 
 /// Scene with all that was prepared for its materials, which paths of light travel through. All

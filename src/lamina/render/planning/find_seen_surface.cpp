@@ -68,7 +68,7 @@ SeenSurface find_seen_surface(const RenderScene& scene, const BandConversion<N>&
   const int step = static_cast<int>(
       std::ceil(std::sqrt(static_cast<double>(width) * static_cast<double>(height) / most_rays)));
   const auto trace = [&](const PathTracer<N>& tracer, int x, int y) {
-    PixelSamples random(scene.scene->render.seed, static_cast<std::uint32_t>(y * width + x), 0);
+    PixelSamples random(scene.settings.seed, static_cast<std::uint32_t>(y * width + x), 0);
     const Ray ray = camera.make_ray(x, y, random);
     (void)tracer.trace_camera_ray(ray, camera.pixel_angle(), random);
   };
@@ -78,7 +78,7 @@ SeenSurface find_seen_surface(const RenderScene& scene, const BandConversion<N>&
     for (int column = 0; column < columns; ++column)
       trace(scout.tracer, column * step, static_cast<int>(row) * step);
   });
-  const Scout<N> timed(scene, conversion, sheets, coverings, scene.scene->render.max_bounces);
+  const Scout<N> timed(scene, conversion, sheets, coverings, scene.settings.max_bounces);
   constexpr std::size_t few = 300;
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   const double seconds = seconds_of(few, [&](std::size_t i) {
@@ -90,7 +90,7 @@ SeenSurface find_seen_surface(const RenderScene& scene, const BandConversion<N>&
   for (const auto& points : scout.points)
     if (points.size() > most_seen.size()) most_seen = points;
   const double of_estimate = seconds_of(most_seen.empty() ? 0 : few, [&](std::size_t i) {
-    PixelSamples random(scene.scene->render.seed, static_cast<std::uint32_t>(i), 0);
+    PixelSamples random(scene.settings.seed, static_cast<std::uint32_t>(i), 0);
     (void)timed.tracer.entering_irradiance(most_seen[i * 2654435761u % most_seen.size()], random);
   });
   return {.points = scout.points,

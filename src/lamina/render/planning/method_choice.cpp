@@ -109,10 +109,11 @@ MethodChoice choose_method(const Scene& scene, const RenderOptions& options) {
   return choice(best, options.cache.empty() ? "no noise below surfaces" : "its light can be kept");
 }
 
-std::vector<std::string> warnings_of_small_bodies(const Scene& scene) {
+std::vector<std::string> warnings_of_small_bodies(const Scene& scene,
+                                                  const RenderSettings& settings) {
   std::vector<std::string> lines;
-  const Method method = scene.render.method;
-  if (method == Method::random_walk || method->is_bsdf || scene.render.is_corrected) return lines;
+  const Method method = settings.method;
+  if (method == Method::random_walk || method->is_bsdf || settings.is_corrected) return lines;
   for (const std::uint32_t m : translucent_materials_in_use(scene))
     if (const auto size = small_bodies(scene, m, least_right_size))
       lines.push_back(

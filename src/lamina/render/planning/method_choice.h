@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/scene/description/render_options.h"
+#include "lamina/render/film/render_options.h"
 #include "lamina/scene/description/scene.h"
 
 namespace lamina {
@@ -18,8 +18,9 @@ struct MethodChoice {
 /// @throws InvalidInput if no method honours all that the scene asks for
 [[nodiscard]] MethodChoice choose_method(const Scene& scene, const RenderOptions& options);
 
-/// A line for each material in use whose bodies are too small for the scene's method, which takes
-/// surfaces as flat.
-[[nodiscard]] std::vector<std::string> warnings_of_small_bodies(const Scene& scene);
+/// A line for each material in use whose bodies are too small for the method of the settings, which
+/// takes surfaces as flat.
+[[nodiscard]] std::vector<std::string> warnings_of_small_bodies(const Scene& scene,
+                                                                const RenderSettings& settings);
 
 }  // namespace lamina

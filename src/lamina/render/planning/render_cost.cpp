@@ -18,7 +18,7 @@ double seconds_per_sample(const Preparation<N>& with, const PathTracer<N>& trace
   return seconds_of(1000, [&](std::size_t i) {
     const std::size_t pixel = i * 2654435761u % pixels;  // spread evenly
     const int x = static_cast<int>(pixel % wide), y = static_cast<int>(pixel / wide);
-    PixelSamples random(scene.render.seed, static_cast<std::uint32_t>(pixel), 0);
+    PixelSamples random(with.scene.settings.seed, static_cast<std::uint32_t>(pixel), 0);
     const Ray ray = with.camera.make_ray(x, y, random);
     (void)tracer.trace_camera_ray(ray, with.camera.pixel_angle(), random);
   });
@@ -45,7 +45,7 @@ double expected_cpu_seconds(const SubsurfaceMethods<N>& methods, const Preparati
                             const PathTracer<N>& tracer, double share) {
   const Scene& scene = *with.scene.scene;
   const double samples = share * static_cast<double>(scene.film.width) *
-                         static_cast<double>(scene.film.height) * scene.render.samples_per_pixel;
+                         static_cast<double>(scene.film.height) * with.scene.settings.samples_per_pixel;
   const double above = samples * with.seen.seconds_per_ray;
   const SubsurfaceCost cost = total_cost(methods, with);
   if (cost.lookup) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lamina/base/core/error.h"
+#include "lamina/scene/description/material_layer_maps.h"
 #include "lamina/scene/description/materials_in_use.h"
 
 namespace lamina {
@@ -74,12 +75,14 @@ RenderScene::Boundaries make_boundaries(const SurfaceMaterial& material) {
 
 }  // namespace
 
-RenderScene::RenderScene(const Scene& from)
+RenderScene::RenderScene(const Scene& from, const RenderSettings& how)
     : scene((check(from), &from)),
+      settings(how),
       geometry(from.meshes),
       textures(from.images),
       lights(from, geometry.box_low(), geometry.box_high()),
-      boundaries(from.materials.size()) {
+      boundaries(from.materials.size()),
+      layer_maps(from.materials.size()) {
   const std::vector<bool> is_used = materials_in_use(from);
   for (std::size_t m = 0; m < boundaries.size(); ++m) {
     if (!is_used[m]) continue;
@@ -88,6 +91,12 @@ RenderScene::RenderScene(const Scene& from)
     has_clear_surfaces |= std::holds_alternative<DielectricSurface>(material.surface) ||
                           std::holds_alternative<ThinSurface>(material.surface) ||
                           material.opacity.has_value();
+    if (const auto* surface = std::get_if<SubsurfaceSurface>(&material.surface);
+        surface && settings.method == RenderSettings::Method::layered_bsdf) {
+      layer_maps[m] = surface->maps;
+      for (const MaterialMap& map : surface->material_maps)
+        layer_maps[m].push_back(layer_map(map, material.name, textures.add(map.values)));
+    }
   }
 }
 

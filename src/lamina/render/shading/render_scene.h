@@ -32,15 +32,21 @@ struct RenderScene {
     std::vector<CoveringTop> over;  ///< [covering]
   };
 
-  /// `scene` must outlive the result.
-  /// @throws InvalidInput if a triangle or map points to what is not there.
-  explicit RenderScene(const Scene& from);
+  /// @param from      must outlive the result
+  /// @param settings  in place of the scene's own, whose method may be left open
+  /// @throws InvalidInput if a triangle or map points to what is not there, or for a map that the
+  ///         method does not have.
+  RenderScene(const Scene& from, const RenderSettings& settings);
+  explicit RenderScene(const Scene& from) : RenderScene(from, from.render) {}
 
   const Scene* scene;
+  RenderSettings settings;
   RayGeometry geometry;
   TextureStore textures;
   Lights lights;
   std::vector<Boundaries> boundaries;  ///< [material]
+  /// [material] of method layered_bsdf: maps of layers, and of the material's numbers as such
+  std::vector<std::vector<LayerMap>> layer_maps;
   bool has_clear_surfaces = false;     ///< which shadow rays pass: dielectric, thin or cut out
 };
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "lamina/base/core/error.h"
-#include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/render/subsurface/internal/irradiance_cloud_file.h"
 
 namespace lamina {
@@ -24,7 +23,7 @@ void LightCache::load() {
   KeptClouds kept{.clouds = {}, .ratios = {}, .why_unusable = "there is no such file"};
   if (is_there())
     kept =
-        load_irradiance_clouds(options_.cache, light_fingerprint(scene_, options_), options_.memory,
+        load_irradiance_clouds(options_.cache, fingerprint(), options_.memory,
                                options_.takes_foreign_light ? CloudOrigin::any : CloudOrigin::own);
   is_usable_ = kept.why_unusable.empty();
   if (is_usable_) {
@@ -79,7 +78,7 @@ void LightCache::add(LightRatioCloud ratios) { put(std::move(ratios), ratios_); 
 
 void LightCache::save() const {
   if (is_changed_ && !options_.takes_foreign_light)
-    save_irradiance_clouds(clouds_, ratios_, light_fingerprint(scene_, options_), options_.cache);
+    save_irradiance_clouds(clouds_, ratios_, fingerprint(), options_.cache);
 }
 
 }  // namespace lamina

@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "lamina/render/subsurface/irradiance_cloud.h"
-#include "lamina/scene/description/render_options.h"
-#include "lamina/scene/description/scene.h"
+#include "lamina/render/film/render_options.h"
+#include "lamina/render/film/scene_fingerprint.h"
+#include "lamina/render/shading/render_scene.h"
 
 namespace lamina {
 
@@ -23,7 +24,8 @@ struct CloudMisfit {
 class LightCache {
  public:
   /// Both must outlive it.
-  LightCache(const Scene& scene, const RenderOptions& options) : scene_(scene), options_(options) {}
+  LightCache(const RenderScene& scene, const RenderOptions& options)
+      : scene_(scene), options_(options) {}
 
   /// Whether light is kept for other cameras.
   [[nodiscard]] bool is_wanted() const { return !options_.cache.empty(); }
@@ -56,7 +58,11 @@ class LightCache {
   void put(Cloud cloud, std::vector<Cloud>& clouds);
   void say_anew(const std::string& why) const;
 
-  const Scene& scene_;
+  [[nodiscard]] LightFingerprint fingerprint() const {
+    return light_fingerprint(*scene_.scene, scene_.settings, options_);
+  }
+
+  const RenderScene& scene_;
   const RenderOptions& options_;
   bool is_loaded_ = false, is_changed_ = false, is_usable_ = false;
   std::vector<IrradianceCloud> clouds_;

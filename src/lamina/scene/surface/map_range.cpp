@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "lamina/base/spectrum/color.h"
-#include "lamina/scene/surface/texture.h"
 
 namespace lamina {
 namespace {
@@ -30,10 +29,10 @@ Range range_of(const Image& image, const ValueOf& value_of) {
 
 /// Of all images of a map.
 template <class ValueOf>
-Range range_of(const std::vector<Image>& images, const ImageMap& map, const ValueOf& value_of) {
-  Range range = range_of(images[images_of(map).front()], value_of);
+Range range_of(const TextureStore& textures, const ImageMap& map, const ValueOf& value_of) {
+  Range range = range_of(textures.image(images_of(map).front()), value_of);
   for (const std::size_t image : images_of(map)) {
-    const Range other = range_of(images[image], value_of);
+    const Range other = range_of(textures.image(image), value_of);
     range = {std::min(range.first, other.first), std::max(range.second, other.second)};
   }
   return range;
@@ -45,9 +44,9 @@ Range range_of(const NoiseMap& noise) {
 
 /// @param value_of  of red, green and blue
 template <class ValueOf>
-Range range_of(const std::vector<Image>& images, const TextureMap& map, const ValueOf& value_of) {
+Range range_of(const TextureStore& textures, const TextureMap& map, const ValueOf& value_of) {
   if (const auto* image = std::get_if<ImageMap>(&map.source))
-    return range_of(images, *image, value_of);
+    return range_of(textures, *image, value_of);
   if (const auto* colors = std::get_if<VertexColorMap>(&map.source))
     return {value_of(std::array{colors->low.x, colors->low.y, colors->low.z}.data()),
             value_of(std::array{colors->high.x, colors->high.y, colors->high.z}.data())};
@@ -56,13 +55,13 @@ Range range_of(const std::vector<Image>& images, const TextureMap& map, const Va
 
 }  // namespace
 
-std::pair<float, float> range_of(const std::vector<Image>& images,
+std::pair<float, float> range_of(const TextureStore& textures,
                                  std::span<const ScalarParameter> terms) {
   Range total{0.0f, 0.0f};
   for (const ScalarParameter& term : terms) {
     float a = term.value, b = term.value;
     if (const auto& map = term.map) {
-      const Range source = range_of(images, *map, [](const float* texel) {
+      const Range source = range_of(textures, *map, [](const float* texel) {
         return luminance({texel[0], texel[1], texel[2]});
       });
       a *= clamp_to_range(*map, map->offset + map->scale * source.first);
@@ -74,11 +73,11 @@ std::pair<float, float> range_of(const std::vector<Image>& images,
   return total;
 }
 
-std::pair<Vec3f, Vec3f> range_of(const std::vector<Image>& images, const ColorParameter& color) {
+std::pair<Vec3f, Vec3f> range_of(const TextureStore& textures, const ColorParameter& color) {
   Vec3f low = color.value, high = color.value;
   if (const auto& map = color.map)
     for (int c = 0; c < 3; ++c) {
-      Range source = range_of(images, *map, [c](const float* texel) { return texel[c]; });
+      Range source = range_of(textures, *map, [c](const float* texel) { return texel[c]; });
       if (const auto& factor = map->vertex_colors)
         source = {std::min(source.first * factor->low[c], source.first * factor->high[c]),
                   std::max(source.second * factor->low[c], source.second * factor->high[c])};

@@ -3,19 +3,19 @@
 
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "lamina/scene/description/scene.h"
+#include "lamina/scene/surface/texture.h"
 
 namespace lamina {
 
 /// The lowest and the highest value that a sum of terms can have; of noise, all but one point in a
 /// thousand.
-[[nodiscard]] std::pair<float, float> range_of(const std::vector<Image>& images,
+[[nodiscard]] std::pair<float, float> range_of(const TextureStore& textures,
                                                std::span<const ScalarParameter> terms);
 
 /// Range of a color, each channel by itself.
-[[nodiscard]] std::pair<Vec3f, Vec3f> range_of(const std::vector<Image>& images,
+[[nodiscard]] std::pair<Vec3f, Vec3f> range_of(const TextureStore& textures,
                                                const ColorParameter& color);
 
 }  // namespace lamina

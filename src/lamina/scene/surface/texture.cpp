@@ -81,29 +81,32 @@ Vec3f bend_by_normal_map(const TextureStore& textures, const ImageMap& map,
 }  // namespace
 
 TextureStore::TextureStore(const std::vector<Image>& images) {
-  for (const Image& image : images) {
-    Pyramid pyramid{&image, color_channels(image), {}};
-    pyramid.levels.push_back({image.width, image.height, {}});
-    while (pyramid.levels.back().width > 1 || pyramid.levels.back().height > 1) {
-      const std::size_t above = pyramid.levels.size() - 1;
-      const int w = pyramid.levels[above].width, h = pyramid.levels[above].height;
-      Level level{std::max(w / 2, 1), std::max(h / 2, 1), {}};
-      level.texels.reserve(static_cast<std::size_t>(level.width) *
-                           static_cast<std::size_t>(level.height));
-      for (int y = 0; y < level.height; ++y)
-        for (int x = 0; x < level.width; ++x) {
-          // The box of texels that this one stands for; three wide where the size is odd.
-          const int x0 = x * w / level.width, x1 = std::max((x + 1) * w / level.width, x0 + 1);
-          const int y0 = y * h / level.height, y1 = std::max((y + 1) * h / level.height, y0 + 1);
-          Vec3f total;
-          for (int j = y0; j < y1; ++j)
-            for (int i = x0; i < x1; ++i) total += texel(pyramid, above, i, j);
-          level.texels.push_back(total / static_cast<float>((x1 - x0) * (y1 - y0)));
-        }
-      pyramid.levels.push_back(std::move(level));
-    }
-    pyramids_.push_back(std::move(pyramid));
+  for (const Image& image : images) (void)add(image);
+}
+
+std::size_t TextureStore::add(const Image& image) {
+  Pyramid pyramid{&image, color_channels(image), {}};
+  pyramid.levels.push_back({image.width, image.height, {}});
+  while (pyramid.levels.back().width > 1 || pyramid.levels.back().height > 1) {
+    const std::size_t above = pyramid.levels.size() - 1;
+    const int w = pyramid.levels[above].width, h = pyramid.levels[above].height;
+    Level level{std::max(w / 2, 1), std::max(h / 2, 1), {}};
+    level.texels.reserve(static_cast<std::size_t>(level.width) *
+                         static_cast<std::size_t>(level.height));
+    for (int y = 0; y < level.height; ++y)
+      for (int x = 0; x < level.width; ++x) {
+        // The box of texels that this one stands for; three wide where the size is odd.
+        const int x0 = x * w / level.width, x1 = std::max((x + 1) * w / level.width, x0 + 1);
+        const int y0 = y * h / level.height, y1 = std::max((y + 1) * h / level.height, y0 + 1);
+        Vec3f total;
+        for (int j = y0; j < y1; ++j)
+          for (int i = x0; i < x1; ++i) total += texel(pyramid, above, i, j);
+        level.texels.push_back(total / static_cast<float>((x1 - x0) * (y1 - y0)));
+      }
+    pyramid.levels.push_back(std::move(level));
   }
+  pyramids_.push_back(std::move(pyramid));
+  return pyramids_.size() - 1;
 }
 
 Vec3f TextureStore::texel(const Pyramid& pyramid, std::size_t level, int x, int y) const {

@@ -18,6 +18,11 @@ class TextureStore {
   /// `images` must outlive the store.
   explicit TextureStore(const std::vector<Image>& images);
 
+  /// Adds an image, which must outlive the store. Returns the index for maps.
+  std::size_t add(const Image& image);
+
+  [[nodiscard]] const Image& image(std::size_t index) const { return *pyramids_[index].image; }
+
   /// Linear Rec.709 colour of an image: bilinear, repeated beyond the unit square, averaged over
   /// the point's footprint. An image of one channel is grey.
   [[nodiscard]] Vec3f color(const ImageMap& map, const SurfacePoint& point) const;

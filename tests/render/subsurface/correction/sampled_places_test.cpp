@@ -56,7 +56,7 @@ struct SampledSquare {
         scene(make_scene()),
         render_scene(scene),
         camera(scene.camera, 8, 8),
-        cache(scene, options),
+        cache(render_scene, options),
         with{render_scene, light, camera, seen, cache, progress, report},
         places(render_scene, 0, 1.0f, methods, see(), eye) {}
 

@@ -433,7 +433,7 @@ TEST(TextureSpace, KeptLightOfOtherTexelsIsRefused) {
   const Scene scene = lit_scene(make_square(8.0f), uniform_skin(), 8.0);
   const Image made = render(scene, {.cache = file}).image;
   EXPECT_EQ(render(scene, {.cache = file}).image.pixels, made.pixels);
-  const LightFingerprint light = light_fingerprint(scene, {});
+  const LightFingerprint light = light_fingerprint(scene, scene.render, {});
   std::vector<IrradianceCloud> clouds = load_irradiance_clouds(file, light).clouds;
   clouds.at(0).points.at(0).position.x += 0.2f;
   save_irradiance_clouds(clouds, {}, light, file);

@@ -276,7 +276,7 @@ PathSurface<N> make_path_surface(const PathWorld<N>& world, const SurfacePoint& 
     base.reflectance = base.layers->reflectance();
     base.mirrored = base.layers->mirrored_inside();
     const float mirrored = sum(base.mirrored);
-    if (world.scene.scene->render.factors.any()) surface.at.boundary = {};  // mirrors nothing
+    if (world.scene.settings.factors.any()) surface.at.boundary = {};  // mirrors nothing
     base.mirrored_chance = mirrored / (mirrored + sum(base.reflectance) + 1e-6f);
     surface.base = std::move(base);
   }

@@ -31,7 +31,7 @@ std::vector<typename InnerBlockers<N>::Patch> HierarchyTransport<N>::patches_ins
     const std::vector<Mesh>& mesh, std::uint32_t material, float spacing) const {
   const auto& color = std::get<DiffuseSurface>(scene_.scene->materials[material].surface).color;
   const SurfaceCells surface =
-      make_surface_cells(mesh, material, spacing, scene_.scene->render.seed);
+      make_surface_cells(mesh, material, spacing, scene_.settings.seed);
   std::vector<typename InnerBlockers<N>::Patch> found(surface.cells.size());
   parallel_for(surface.cells.size(), [&](std::size_t i) {
     const SurfaceCell& cell = surface.cells[i];
@@ -98,7 +98,7 @@ typename HierarchyTransport<N>::BlockerPatches HierarchyTransport<N>::blocker_pa
       }
     if (has_surface)
       for (const SurfaceCell& cell :
-           make_surface_cells(meshes, material_, wide, scene_.scene->render.seed).cells)
+           make_surface_cells(meshes, material_, wide, scene_.settings.seed).cells)
         patches.outer.push_back({cell.position, cell.normal, cell.area, {}});
     if (patches.inner.size() + patches.outer.size() <= InnerBlockers<N>::most_patches)
       return patches;

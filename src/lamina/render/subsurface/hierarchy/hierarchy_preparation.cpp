@@ -75,7 +75,7 @@ std::optional<IrradianceCloud> HierarchyTransport<N>::sample_and_use(const Prepa
                                                                      const LightSampling& sampling,
                                                                      LightSamples& done) {
   const Scene& scene = *scene_.scene;
-  const double refine = static_cast<double>(scene.render.hierarchy.refine);
+  const double refine = static_cast<double>(scene_.settings.hierarchy.refine);
   const float closest = closest_spacing(), spacing = sampling.field.spacing(0);
   std::vector<SurfacePoint> probes;
   if (refine > 0.0) probes = make_probes(scene, material_);
@@ -83,7 +83,7 @@ std::optional<IrradianceCloud> HierarchyTransport<N>::sample_and_use(const Prepa
   for (float at = refine > 0.0 ? first_spacing * spacing : spacing;;
        at = std::max(0.5f * at, closest)) {
     auto cloud = sample_light(with.light, refine > 0.0 ? SpacingField(at) : sampling.field,
-                              sampling.estimates, scene.render.seed, with.progress);
+                              sampling.estimates, scene_.settings.seed, with.progress);
     if (!cloud) return std::nullopt;
     use(*cloud);
     done.spacing = static_cast<double>(at);
@@ -100,7 +100,7 @@ template <int N>
 LightSampling HierarchyTransport<N>::plan_sampling(const CameraRays& camera,
                                                    const SeenSurface& seen, bool is_kept) const {
   const auto& meshes = scene_.scene->meshes;
-  const RenderSettings& render = scene_.scene->render;
+  const RenderSettings& render = scene_.settings;
   const HierarchySettings& settings = render.hierarchy;
   constexpr int most_estimates = 32, least_estimates = 4;
   constexpr double cells_of_unseen = 2000.0;  // that no ray of the camera meets
@@ -145,7 +145,7 @@ bool HierarchyTransport<N>::prepare(const Preparation<N>& with) {
       return {.lacks = "lacks a material of the scene", .too_coarse = {}};
     const float nearest = nearest_pixel(*scene_.scene, with.camera, material_);
     const float wanted = std::max(spacing_for(nearest), closest_spacing());
-    if (!(scene_.scene->render.hierarchy.refine > 0.0f) && cloud.spacing > 1.001f * wanted)
+    if (!(scene_.settings.hierarchy.refine > 0.0f) && cloud.spacing > 1.001f * wanted)
       return {.lacks = {},
               .too_coarse = "its samples are " + number_text(cloud.spacing) +
                             " mm apart, but this camera sees light as fine as " +

@@ -83,7 +83,7 @@ HierarchyTransport<N>::HierarchyTransport(const RenderScene& scene,
 
 template <int N>
 float HierarchyTransport<N>::spacing_for(float pixel_size) const {
-  const HierarchySettings& settings = scene_.scene->render.hierarchy;
+  const HierarchySettings& settings = scene_.settings.hierarchy;
   const float of_profile = smallest_half_radius(profiles_.of_material()) / samples_per_half_radius;
   return settings.spacing > 0.0f ? settings.spacing : std::max(of_profile, 0.7f * pixel_size);
 }
@@ -91,7 +91,7 @@ float HierarchyTransport<N>::spacing_for(float pixel_size) const {
 template <int N>
 float HierarchyTransport<N>::closest_spacing() const {
   const double area = surface_area(scene_.scene->meshes, material_);
-  return static_cast<float>(std::sqrt(area / scene_.scene->render.hierarchy.max_points));
+  return static_cast<float>(std::sqrt(area / scene_.settings.hierarchy.max_points));
 }
 
 template <int N>
@@ -194,7 +194,7 @@ void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
   tree_ = IrradianceTree<N>(samples);
   const auto medium = make_diffusion_medium<N>(surface_.material);
   const auto [inner, outer] = blocker_patches(cloud.spacing, largest(medium.mfp));
-  blockers_ = InnerBlockers<N>(inner, outer, medium, tree_, scene_.scene->render.hierarchy.error);
+  blockers_ = InnerBlockers<N>(inner, outer, medium, tree_, scene_.settings.hierarchy.error);
   exitance_ = LazyValues<BandValues<N>>(points_.size());
 }
 
@@ -234,7 +234,7 @@ BandValues<N> HierarchyTransport<N>::summed_exitance(const Vec3f& position, cons
                                                      const Local& local) const {
   const auto exit = gather_profiles_.exit_at(n, local, profiles_);
   Bands total;
-  tree_.gather(position, support_radius_, scene_.scene->render.hierarchy.error, width_,
+  tree_.gather(position, support_radius_, scene_.settings.hierarchy.error, width_,
                [&](const auto& node, const Bands& albedo_index, const Vec3f& offset, float d2) {
                  // Second order: a profile that falls as r^-3 gains 9/4 of the mean square over d²
                  // from the width of a node, as if it were nearer; one that is flat in its middle

@@ -54,15 +54,16 @@ LayeredMaterial<N>::LayeredMaterial(const RenderScene& scene, const BandConversi
     : scene_(scene),
       conversion_(conversion),
       surface_(std::get<SubsurfaceSurface>(scene.scene->materials[material].surface)),
-      orders_(scene.scene->render.orders) {
+      maps_(scene.layer_maps[material]),
+      orders_(scene.settings.orders) {
   const auto require = [&](bool holds, const std::string& rule) {
     if (!holds)
       throw InvalidInput("material \"" + scene.scene->materials[material].name + "\": " + rule);
   };
-  require(surface_.maps.size() <= most_mapped, "at most 4 of its parameters can be mapped");
-  for (const LayerMap& map : surface_.maps) {
+  require(maps_.size() <= most_mapped, "at most 4 of its parameters can be mapped");
+  for (const LayerMap& map : maps_) {
     const auto [least, most] = limits(map);
-    auto [low, high] = range_of(scene.scene->images, map.terms);
+    auto [low, high] = range_of(scene.textures, map.terms);
     low = std::clamp(low, least, most);
     high = std::clamp(high, low, most);
     parameters_.push_back({&map, low, high});
@@ -174,7 +175,7 @@ std::unique_ptr<LayeredPoint<N>> LayeredMaterial<N>::at(const SurfacePoint& poin
   const SurfaceMaterial& material = scene_.scene->materials[point.material];
   layers.is_bare = !material.coat && surface_.material.layers.front().top.roughness == 0.0;
   layers.orders = orders_;
-  layers.factors = scene_.scene->render.factors;
+  layers.factors = scene_.settings.factors;
   if (parameters_.empty()) {
     layers.stack = stack_;
     layers.higher = &table_.front();

@@ -118,6 +118,7 @@ class LayeredMaterial {
   const RenderScene& scene_;
   const BandConversion<N>& conversion_;
   const SubsurfaceSurface& surface_;
+  const std::vector<LayerMap>& maps_;
   LayeredOrders orders_;
   FirstOrderStack<Bands> stack_;
   std::vector<MixedLayer> layers_;

@@ -73,7 +73,7 @@ double row_value(float low, float high, int row, int rows) {
 
 template <int N>
 bool LayeredMaterial<N>::has_skin_maps() const {
-  return std::ranges::any_of(surface_.maps, is_of_skin);
+  return std::ranges::any_of(maps_, is_of_skin);
 }
 
 template <int N>
@@ -94,7 +94,7 @@ void LayeredMaterial<N>::make_table() {
       rest /= static_cast<std::size_t>(rows_);
       values.push_back(row_value(parameter.low, parameter.high, row, rows_));
     }
-    const Material here = with_values(material, surface_.maps, values);
+    const Material here = with_values(material, maps_, values);
     const std::vector<LayerStack> stacks = layer_stacks(here);
     std::vector<HigherOrders> bands;
     for (const LayerStack& stack : stacks) bands.push_back(make_higher_orders(stack, 3e-4));

@@ -123,7 +123,7 @@ SubsurfaceMethods<N> make_subsurface_methods(const RenderScene& scene,
                                              const BandConversion<N>& conversion,
                                              const RenderOptions& options,
                                              const Progress& progress) {
-  const RenderSettings& settings = scene.scene->render;
+  const RenderSettings& settings = scene.settings;
   require_light_once(settings);
   const ProfileMaker make_profile(settings, announced(progress, options.on_notice));
   const bool is_printed = settings.exit_angle == RenderSettings::ExitAngle::printed;

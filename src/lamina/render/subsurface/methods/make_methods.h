@@ -9,7 +9,7 @@
 #include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/render/subsurface/subsurface_method.h"
 #include "lamina/scene/description/materials_in_use.h"
-#include "lamina/scene/description/render_options.h"
+#include "lamina/render/film/render_options.h"
 #include "lamina/scene/description/subsurface_methods.h"
 
 namespace lamina {

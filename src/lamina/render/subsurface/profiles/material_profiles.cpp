@@ -94,10 +94,10 @@ MaterialProfiles<N>::MaterialProfiles(const RenderScene& scene, const BandConver
                                   per_entered<N>(series_->profiles()[i], series_->layers(i)));
   if (surface_.color_use == ColorUse::scale)
     mean_color_ = mean_of_map(scene.textures, surface_.color);
-  if (scene.scene->render.single_scattering != RenderSettings::SingleScattering::none)
+  if (scene.settings.single_scattering != RenderSettings::SingleScattering::none)
     once_ = OnceInEvenLight<N>(layers).largest_share();
   if (series_)
-    brightest_index_ = albedo_index(range_of(scene.scene->images, surface_.color).second);
+    brightest_index_ = albedo_index(range_of(scene.textures, surface_.color).second);
 }
 
 /// As far as the colors of the map go.
@@ -105,7 +105,7 @@ template <int N>
 std::optional<AbsorptionSeries> MaterialProfiles<N>::make_series(
     const std::vector<LayerStack>& layers, const ProfileMaker& make_profile) const {
   if (surface_.color_use != ColorUse::invert) return std::nullopt;
-  const auto [low, high] = range_of(scene_.scene->images, surface_.color);
+  const auto [low, high] = range_of(scene_.textures, surface_.color);
   const auto reflectance = [&](const Vec3f& color) {
     const Bands bands = conversion_.from_rgb(color);
     return std::vector<double>(bands.v, bands.v + layers.size());

@@ -121,7 +121,7 @@ bool RandomWalk<N>::learn_depth_radiance(std::span<const SurfacePoint> points,
   for (std::size_t round = 0; round < 2; ++round) {
     lessons.assign(chunks, learner->make_lessons());
     const auto walk = [&](std::size_t i) {
-      PixelSamples samples(scene.scene->render.seed + 0x51ed270bu, static_cast<std::uint32_t>(i),
+      PixelSamples samples(scene.settings.seed + 0x51ed270bu, static_cast<std::uint32_t>(i),
                            static_cast<std::uint32_t>(round));
       const SurfacePoint& point = points[i * points.size() / learning_walks];
       const Vec3f direction =

@@ -105,7 +105,7 @@ void ShadowMapTransport<N>::make_buffers() {
         }
     }
   if (!(low.x <= high.x)) return;  // no surface of the material
-  const ShadowMapSettings& settings = scene_.scene->render.shadow_map;
+  const ShadowMapSettings& settings = scene_.settings.shadow_map;
   const double whole = static_cast<double>(settings.resolution) * settings.resolution;
   const auto wanted = [&](const LightView& view) { return whole / view.parts; };
   double all = 0.0;
@@ -145,7 +145,7 @@ void ShadowMapTransport<N>::make_buffers() {
 template <int N>
 SubsurfaceCost ShadowMapTransport<N>::expected_cost(const Preparation<N>& /*with*/) const {
   // A buffer is filled by a ray to a texel; the views share the texels of one buffer per light.
-  const ShadowMapSettings& settings = scene_.scene->render.shadow_map;
+  const ShadowMapSettings& settings = scene_.settings.shadow_map;
   const double lights = std::min(static_cast<double>(scene_.scene->lights.size()), 32.0);
   return {
       .preparation = seconds_per_buffer_ray * lights * settings.resolution * settings.resolution,
@@ -249,7 +249,7 @@ BandValues<N> ShadowMapTransport<N>::leaving_radiance(const ExitPoint& exit,
                                                       PixelSamples& samples) const {
   const Local local = profiles_.profiles_at(exit.point);
   const auto leaving = gather_profiles_.exit_at(exit.point.smooth_normal, local, profiles_);
-  const int lookups = scene_.scene->render.shadow_map.lookups;
+  const int lookups = scene_.settings.shadow_map.lookups;
   const RadiusMixture<N> radii = profiles_.radius_mixture(local);
   const auto blended = [&](float low, float high) { return low + local.blend * (high - low); };
   const float all_passing =

@@ -92,7 +92,7 @@ void TextureSpaceTransport<N>::add_thin_parts(std::span<const BandLayers> bands,
 template <int N>
 OperatorTotals TextureSpaceTransport<N>::texture_space_totals() const {
   const Material& material = surface_.material;
-  const bool is_transfer = !material.skin || takes_material_totals(material, scene_.scene->render);
+  const bool is_transfer = !material.skin || takes_material_totals(material, scene_.settings);
   return is_transfer ? OperatorTotals::radiative_transfer_diffuse : OperatorTotals::diffusion;
 }
 

@@ -90,7 +90,7 @@ bool TextureSpaceTransport<N>::prepare(const Preparation<N>& with) {
       with.cache.is_wanted()
           ? std::vector<bool>{}
           : showing_texels(seen_texels(scene_, atlas_->texels(), is_sheet_), far_sides_);
-  auto cloud = sample_light(with.light, is_seen, scene_.scene->render.seed, with.progress);
+  auto cloud = sample_light(with.light, is_seen, scene_.settings.seed, with.progress);
   if (!cloud) return false;
   scatter(*cloud);
   use(*cloud);
@@ -101,7 +101,7 @@ bool TextureSpaceTransport<N>::prepare(const Preparation<N>& with) {
 template <int N>
 SubsurfaceCost TextureSpaceTransport<N>::expected_cost(const Preparation<N>& with) const {
   const Scene& scene = *scene_.scene;
-  const TextureSpaceSettings& settings = scene.render.texture_space;
+  const TextureSpaceSettings& settings = scene_.settings.texture_space;
   const auto spacing =
       static_cast<double>(spacing_for(nearest_pixel(scene, with.camera, material_)));
   const double area = surface_area(scene.meshes, material_), texels = area / (spacing * spacing);

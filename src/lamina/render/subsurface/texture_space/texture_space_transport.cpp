@@ -69,7 +69,7 @@ TextureSpaceTransport<N>::TextureSpaceTransport(const RenderScene& scene, std::u
 
 template <int N>
 float TextureSpaceTransport<N>::spacing_for(float pixel_size) const {
-  const TextureSpaceSettings& settings = scene_.scene->render.texture_space;
+  const TextureSpaceSettings& settings = scene_.settings.texture_space;
   const auto area = static_cast<float>(surface_area(scene_.scene->meshes, material_));
   // Finer than the narrowest profiles matter there is nothing to see.
   constexpr float finest = 0.02f;
@@ -100,7 +100,7 @@ std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
                         .points = std::vector<CloudPoint>(points),
                         .irradiance = std::vector<float>(points * surface_.material.bands.size())};
   const SurfaceMaterial& material = scene_.scene->materials[material_];
-  const int full = scene_.scene->render.texture_space.irradiance_samples;
+  const int full = scene_.settings.texture_space.irradiance_samples;
   std::optional<SkyIrradiance> sky;
   if (has_uneven_sky(scene_.lights)) {
     const AtlasTexel& first = texels.front();
@@ -210,7 +210,7 @@ void TextureSpaceTransport<N>::scatter(IrradianceCloud& cloud) {
         entering[i][static_cast<int>(b)] = cloud.irradiance[(side * texels + i) * cloud.bands + b];
     clamp_fireflies(graph_.levels.front(), entering);
     auto [reflected, transmitted] = transport(
-        layers_from(side), entering, scene_.scene->render.texture_space.interlayer_bounces);
+        layers_from(side), entering, scene_.settings.texture_space.interlayer_bounces);
     for (std::size_t i = 0; i < texels; ++i) leaving[side][i] += reflected[i];
     if (!transmitted.empty()) add_transmitted(side, std::move(transmitted), leaving);
   }

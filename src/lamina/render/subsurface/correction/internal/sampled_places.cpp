@@ -54,7 +54,7 @@ SampledPlaces<N>::SampledPlaces(const RenderScene& scene, std::uint32_t material
   const auto& meshes = scene.scene->meshes;
   const SpacingField field =
       is_all_seen ? SpacingField(spacing) : SpacingField(positions, spacing, 0.0f);
-  surface_ = std::move(make_surface_cells(meshes, material, field, scene.scene->render.seed)[0]);
+  surface_ = std::move(make_surface_cells(meshes, material, field, scene.settings.seed)[0]);
   const ZonesByCreases zones(meshes, material, spacing);
   const PointGrid in_sight(places, reach_of_sight * spacing),
       of_use(places, reach_of_use * spacing);
@@ -74,7 +74,7 @@ SampledPlaces<N>::SampledPlaces(const RenderScene& scene, std::uint32_t material
 template <int N>
 float SampledPlaces<N>::planar_light(std::size_t place) const {
   const SurfaceCell& cell = *cells_[place];
-  PixelSamples random(scene_.scene->render.seed, static_cast<std::uint32_t>(place), 0);
+  PixelSamples random(scene_.settings.seed, static_cast<std::uint32_t>(place), 0);
   const SurfacePoint point = point_on(scene_.scene->meshes, surface_.elements_of(cell), cell.area,
                                       0.5f, std::sqrt(cell.area));
   const BandValues<N> radiance = methods_.planar.leaving_radiance(
@@ -89,7 +89,7 @@ void SampledPlaces<N>::add_sample(std::size_t place) {
   const std::size_t s = samples_[place].size();
   const Scene& scene = *scene_.scene;
   const SurfaceCell& cell = *cells_[place];
-  PixelSamples random(scene.render.seed + 0x2c1b3c6du, static_cast<std::uint32_t>(place),
+  PixelSamples random(scene_.settings.seed + 0x2c1b3c6du, static_cast<std::uint32_t>(place),
                       static_cast<std::uint32_t>(s));
   const SurfacePoint point =
       point_on(scene.meshes, surface_.elements_of(cell), cell.area, random.next_1d(),

@@ -43,7 +43,7 @@ template <int N>
 auto DepthRadiance<N>::compute_node(std::size_t node, const LightGatherer<N>& light) const
     -> Entering {
   const RenderScene& scene = interior_.scene();
-  Random random = make_random(scene.scene->render.seed + 5, node);
+  Random random = make_random(scene.settings.seed + 5, node);
   const Vec3f middle = lattice_.position(node);
   const float spacing = lattice_.spacing();
   Entering result;
@@ -62,7 +62,7 @@ auto DepthRadiance<N>::compute_node(std::size_t node, const LightGatherer<N>& li
     if (!hit.is_hit()) continue;
     ++count;
     const SurfacePoint entry = make_surface_point(scene.scene->meshes, hit, 0.3f * spacing);
-    PixelSamples samples(scene.scene->render.seed + 6, static_cast<std::uint32_t>(node),
+    PixelSamples samples(scene.settings.seed + 6, static_cast<std::uint32_t>(node),
                          static_cast<std::uint32_t>(i));
     result.irradiance += light.entering_irradiance(entry, samples);
     if (!next_event_.has_lights()) continue;

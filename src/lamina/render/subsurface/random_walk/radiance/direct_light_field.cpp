@@ -38,7 +38,7 @@ DirectLightField<N>::DirectLightField(const BodyInterior<N>& interior,
 template <int N>
 DirectLightField<N>::Node DirectLightField<N>::compute_node(std::size_t node,
                                                             const LightGatherer<N>& light) const {
-  Random random = make_random(interior_.scene().scene->render.seed, node);
+  Random random = make_random(interior_.scene().settings.seed, node);
   std::array<Vec3f, samples_of_node> points;
   std::size_t count = 0;
   Node result;

@@ -184,7 +184,7 @@ bool LightVertices<N>::trace(const LightGatherer<N>& light, const Progress& prog
   if (!next_event_.has_lights()) return true;
   find_surface();
   if (!(surface_area() > 0.0)) return true;
-  const std::uint64_t seed = interior_.scene().scene->render.seed + 3;
+  const std::uint64_t seed = interior_.scene().settings.seed + 3;
   for (const std::size_t rays : {first_rays, most_rays}) {
     rays_ = static_cast<double>(rays);
     std::vector<std::vector<Vertex>> found(rays / rays_at_once);

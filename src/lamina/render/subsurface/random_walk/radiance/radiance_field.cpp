@@ -165,7 +165,7 @@ template <int N>
 bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& progress) {
   const NodeLattice lattice = interior_.lattice(reduced_free_path_, most_field_nodes);
   const std::size_t nodes = lattice.count();
-  const std::uint64_t seed = interior_.scene().scene->render.seed;
+  const std::uint64_t seed = interior_.scene().settings.seed;
   std::vector<FieldRadiance<N>> field(nodes);
   std::vector<StartPoints> points(nodes);
   const auto is_inside = [&](std::size_t n) { return points[n].count > 0; };

@@ -1,8 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -20,7 +18,9 @@ struct SubsurfaceMethodMaker;
 /// Options that are not part of a scene but of how it is computed. The defaults are right for
 /// pictures.
 struct RenderOptions {
-  /// How directions are drawn. Each alone converges to the same image, combined is the least noisy.
+  /// Ways to sample direct light: next-event estimation of lights, sampling of surfaces, or both by
+  /// multiple importance sampling. Each alone converges to the same image; they are for tests,
+  /// together they have the least noise.
   enum class DirectLight { combined, lights_only, surfaces_only };
   DirectLight direct_light = DirectLight::combined;
 
@@ -64,24 +64,6 @@ struct RenderOptions {
   /// by one thread at a time while the others go on. May be empty.
   std::function<void(const Image&)> on_image;
   double seconds_between_images = 5.0;  ///< at least; showing takes a tenth of the time at most
-};
-
-/// How the method `hierarchy` has sampled the light on a material.
-struct LightSamples {
-  std::uint32_t material = 0;  ///< index into those of the scene
-  double spacing = 0.0;        ///< [mm]
-  std::size_t count = 0;
-  int estimates = 0;             ///< of the light, at random, at each that the camera may see
-  std::optional<double> change;  ///< of the light that leaves, from twice the spacing: root mean
-                                 ///< square over that of the light. Absent without refinement
-};
-
-/// How random walks corrected the light of a planar method on a material.
-struct LightCorrection {
-  std::uint32_t material = 0;  ///< index into those of the scene
-  std::size_t walks = 0;
-  double change = 0.0;      ///< of the light that leaves: root mean square over that of the light
-  double error_left = 0.0;  ///< the same of what is still wrong, as far as halves of the walks tell
 };
 
 }  // namespace lamina
