@@ -19,7 +19,6 @@
 #include "commands.h"
 #include "console.h"
 #include "lamina/base/core/error.h"
-#include "lamina/base/io/nearest_name.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/description/method_settings.h"
 #include "lamina/scene/description/plausible_size.h"
@@ -34,14 +33,6 @@ namespace lamina::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-SceneMethod method_named(const std::string& option, const std::string& name) {
-  const auto methods = subsurface_methods();
-  if (const auto method = find_method(name, methods)) return *method;
-  const std::vector<std::string_view> names = method_names(methods);
-  throw InvalidInput(fmt::format("{}: must be one of {}, but is {}{}", option,
-                                 fmt::join(names, ", "), name, did_you_mean(name, names)));
-}
 
 /// "hierarchy or texture_space".
 std::string methods_that_keep_light() {
@@ -318,7 +309,7 @@ void add_render_command(CLI::App& app) {
   command
       .add_option("--method", options->method,
                   "of light below surfaces: auto, one of the others by what the scene needs; " +
-                      describe_methods(subsurface_methods()))
+                      describe_methods())
       .type_name("NAME");
   command
       .add_option("--compare", options->compared,

@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "render.h"
 
-#include <fmt/ranges.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -19,7 +18,6 @@
 #include "images.h"
 #include "json_files.h"
 #include "lamina/base/image/denoise.h"
-#include "lamina/base/io/nearest_name.h"
 #include "lamina/render/light_layers.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/description/method_settings.h"
@@ -31,14 +29,6 @@
 namespace lamina::python {
 namespace {
 
-SceneMethod method_named(const std::string& name) {
-  const auto methods = subsurface_methods();
-  if (const auto method = find_method(name, methods)) return *method;
-  const std::vector<std::string_view> names = method_names(methods);
-  throw InvalidInput(fmt::format("method: must be one of {}, but is {}{}", fmt::join(names, ", "),
-                                 name, did_you_mean(name, names)));
-}
-
 /// What a caller asks for in place of the scene; another method leaves out what it does not honour.
 void apply(const py::dict& changes, Scene& scene) {
   const auto given = [&](const char* name) { return changes.contains(name); };
@@ -47,7 +37,7 @@ void apply(const py::dict& changes, Scene& scene) {
   if (given("clamp")) scene.render.clamp = changes["clamp"].cast<float>();
   if (given("bounces")) scene.render.max_bounces = changes["bounces"].cast<int>();
   if (given("method")) {
-    scene.render.method = method_named(changes["method"].cast<std::string>());
+    scene.render.method = method_named("method", changes["method"].cast<std::string>());
     for (std::string& line : leave_out_unhonoured(scene)) scene.warnings.push_back(std::move(line));
   }
   if (given("single_scattering")) {
@@ -169,7 +159,7 @@ void bind_render(py::module_& module) {
   module.def("render", &render_scene);
   module.def("method_names", [] {
     std::vector<std::string> names;
-    for (const std::string_view name : method_names(subsurface_methods())) names.emplace_back(name);
+    for (const std::string_view name : method_names()) names.emplace_back(name);
     return names;
   });
 }

@@ -96,7 +96,7 @@ TEST(LightLayers, EachIsThePictureOfItsLightsAloneAndTheirSumIsThePicture) {
   for (const char* method : {"probe", "random_walk", "hierarchy", "shadow_map"}) {
     SCOPED_TRACE(method);
     Scene scene = scene_of_lights();
-    scene.render.method = *find_method(method, subsurface_methods());
+    scene.render.method = *find_method(method);
     if (std::string(method) == "random_walk") scene.render.profile.reset();
     expect_layers(std::move(scene));
   }
@@ -106,7 +106,7 @@ TEST(LightLayers, EachIsThePictureOfItsLightsAloneAndTheirSumIsThePicture) {
 // all pixels, within four standard errors of the two.
 TEST(LightLayers, SumHasTheMeanOfThePictureOfAllLights) {
   Scene scene = scene_of_lights();
-  scene.render.method = *find_method("probe", subsurface_methods());
+  scene.render.method = *find_method("probe");
   scene.render.samples_per_pixel = 64;
   const Image layered = render_light_layers(scene).image;
   scene.render.seed = 9;

@@ -18,10 +18,9 @@ namespace {
 const std::filesystem::path root = LAMINA_SOURCE_DIR;
 
 TEST(SubsurfaceMethods, ThePageHasTheirTable) {
-  EXPECT_NE(read_file_bytes(root / "docs/subsurface.md").find(methods_table(subsurface_methods())),
-            std::string::npos)
+  EXPECT_NE(read_file_bytes(root / "docs/subsurface.md").find(methods_table()), std::string::npos)
       << "docs/subsurface.md must have\n\n"
-      << methods_table(subsurface_methods());
+      << methods_table();
 }
 
 /// All but descriptions is the same.
@@ -51,7 +50,7 @@ void expect_same(const JsonInput& given, const JsonInput& wanted) {
 
 TEST(SubsurfaceMethods, TheSchemaHasTheirNamesAndNumbers) {
   const JsonDocument schema = load_json(root / "schema/scene.schema.json");
-  const JsonDocument wanted = parse_json(methods_schema(subsurface_methods()), "wanted");
+  const JsonDocument wanted = parse_json(methods_schema(), "wanted");
   const JsonInput render = *schema.root().peek("properties")->peek("render")->peek("properties");
   for (const auto& [key, value] : wanted.root().entries()) {
     ASSERT_TRUE(render.peek(key)) << key;
@@ -70,7 +69,7 @@ TEST(SubsurfaceMethods, HonourKeysThatSomeDoNot) {
 
 TEST(SubsurfaceMethods, KnowTheNameThatProbeHad) {
   try {
-    (void)parse_json(R"("profile")", "old").root().choice(method_names(subsurface_methods()));
+    (void)parse_json(R"("profile")", "old").root().choice(method_names());
     FAIL();
   } catch (const std::exception& error) {
     EXPECT_NE(std::string(error.what()).find("did you mean \"probe\"?"), std::string::npos)
@@ -81,8 +80,8 @@ TEST(SubsurfaceMethods, KnowTheNameThatProbeHad) {
 TEST(SubsurfaceMethods, AreLeftOpenByDefault) {
   EXPECT_TRUE(SceneMethod().is_open());
   EXPECT_EQ(SceneMethod(), SceneMethod::automatic);
-  EXPECT_EQ(find_method("auto", subsurface_methods()), SceneMethod::automatic);
-  EXPECT_EQ(find_method("hierarchy", subsurface_methods()), SceneMethod::hierarchy);
+  EXPECT_EQ(find_method("auto"), SceneMethod::automatic);
+  EXPECT_EQ(find_method("hierarchy"), SceneMethod::hierarchy);
 }
 
 }  // namespace

@@ -13,8 +13,6 @@
 
 namespace lamina {
 
-struct SubsurfaceMethodMaker;
-
 /// Options that are not part of a scene but of how it is computed. The defaults are right for
 /// pictures.
 struct RenderOptions {
@@ -53,9 +51,6 @@ struct RenderOptions {
   std::optional<Part> part;
   bool has_mattes = false;     ///< adds Cryptomatte layers of objects and materials to the image
   bool only_prepares = false;  ///< ends before the samples: the cache is then made, and profiles
-
-  /// How to make methods that lamina does not bring, see render/subsurface/methods.
-  std::vector<const SubsurfaceMethodMaker*> more_methods;
 
   /// Told what a user should know before the work goes on, a line each. May be empty.
   std::function<void(const std::string&)> on_notice;

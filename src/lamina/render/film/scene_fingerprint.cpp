@@ -319,10 +319,9 @@ std::uint64_t picture_key(const Scene& scene, const RenderSettings& settings,
   (void)samples_per_pixel, (void)noise;  // how many samples of it there are
   add_numbers(hash, settings);
   const auto& [direct_light, cache, memory, needs_cache, takes_foreign_light, checkpoint, resumes,
-               keeps_samples, part, has_mattes, only_prepares, more_methods, on_notice, on_image,
+               keeps_samples, part, has_mattes, only_prepares, on_notice, on_image,
                seconds_between_images] = options;
   (void)direct_light;       // shared
-  (void)more_methods;       // makes what the method's name stands for
   hash.add(cache.empty());  // light that is kept is sampled for any camera
   if (takes_foreign_light) hash.add_text(read_file_bytes(cache));  // nothing else says what it is
   (void)needs_cache, (void)checkpoint, (void)resumes, (void)on_notice;  // change nothing in it

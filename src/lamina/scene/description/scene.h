@@ -432,13 +432,10 @@ struct Scene {
 void make_background_transparent(Scene& scene);
 
 /// Reads a scene file and all that it names; paths in it are relative to it.
-/// @param memory        what reading them may take in all.
-/// @param settings      changes of values, as parse_json takes them.
-/// @param more_methods  that "method" may name, beside those that lamina brings; they must outlive
-///                      the scene.
+/// @param memory    that reading them may take in all.
+/// @param settings  changes of values, as parse_json takes them.
 /// @throws FileError, InvalidInput with file, line and field.
 [[nodiscard]] Scene load_scene(const JsonFile& file, MemoryBudget memory = {},
-                               std::span<const std::string> settings = {},
-                               std::span<const SubsurfaceMethodInfo> more_methods = {});
+                               std::span<const std::string> settings = {});
 
 }  // namespace lamina

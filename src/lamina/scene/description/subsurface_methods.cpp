@@ -3,7 +3,9 @@
 
 #include <cstddef>
 
+#include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
+#include "lamina/base/io/nearest_name.h"
 
 namespace lamina {
 namespace {
@@ -137,24 +139,31 @@ constinit const SceneMethod SceneMethod::shadow_map = built_in("shadow_map");
 constinit const SceneMethod SceneMethod::texture_space = built_in("texture_space");
 constinit const SceneMethod SceneMethod::random_walk = built_in("random_walk");
 
-std::vector<SceneMethod> subsurface_methods(std::span<const SubsurfaceMethodInfo> more) {
+std::vector<SceneMethod> subsurface_methods() {
   std::vector<SceneMethod> methods;
-  for (const auto& infos : {std::span<const SubsurfaceMethodInfo>(built_in_methods), more})
-    for (const SubsurfaceMethodInfo& info : infos) methods.emplace_back(info);
+  for (const SubsurfaceMethodInfo& info : built_in_methods) methods.emplace_back(info);
   return methods;
 }
 
-std::vector<std::string_view> method_names(const std::vector<SceneMethod>& methods) {
+std::vector<std::string_view> method_names() {
   std::vector<std::string_view> names = {SceneMethod().name()};
-  for (const SceneMethod method : methods) names.push_back(method.name());
+  for (const SceneMethod method : subsurface_methods()) names.push_back(method.name());
   return names;
 }
 
-std::optional<SceneMethod> find_method(std::string_view name,
-                                       const std::vector<SceneMethod>& methods) {
+std::optional<SceneMethod> find_method(std::string_view name) {
   if (name == SceneMethod().name()) return SceneMethod();
-  const auto found = std::ranges::find(methods, name, &SceneMethod::name);
-  return found == methods.end() ? std::nullopt : std::optional(*found);
+  const auto found = std::ranges::find(built_in_methods, name, &SubsurfaceMethodInfo::name);
+  return found == built_in_methods.end() ? std::nullopt : std::optional(SceneMethod(*found));
+}
+
+SceneMethod method_named(const std::string& place, std::string_view name) {
+  if (const auto method = find_method(name)) return *method;
+  const std::vector<std::string_view> names = method_names();
+  std::string list;
+  for (const std::string_view one : names) list += (list.empty() ? "" : ", ") + std::string(one);
+  throw InvalidInput(place + ": must be one of " + list + ", but is " + std::string(name) +
+                     did_you_mean(name, names));
 }
 
 bool has_numbers_of(const RenderSettings& settings, SceneMethod method) {
@@ -164,17 +173,17 @@ bool has_numbers_of(const RenderSettings& settings, SceneMethod method) {
   });
 }
 
-std::string describe_methods(const std::vector<SceneMethod>& methods) {
+std::string describe_methods() {
   std::string text;
-  for (const SceneMethod method : methods)
+  for (const SceneMethod method : subsurface_methods())
     text +=
         (text.empty() ? "" : "; ") + std::string(method.name()) + ' ' + std::string(method->how);
   return text;
 }
 
-std::string methods_table(const std::vector<SceneMethod>& methods) {
+std::string methods_table() {
   std::string text = "| `method` | how | noise | errs by | needs |\n|---|---|---|---|---|\n";
-  for (const SceneMethod method : methods) {
+  for (const SceneMethod method : subsurface_methods()) {
     const std::string page(method->page);
     text += "| `" + std::string(method.name()) + "` | " + std::string(method->how) +
             (page.empty() ? "" : " ([" + page + "](" + page + "))");
@@ -185,12 +194,12 @@ std::string methods_table(const std::vector<SceneMethod>& methods) {
   return text;
 }
 
-std::string methods_schema(const std::vector<SceneMethod>& methods) {
+std::string methods_schema() {
   std::string names;
-  for (const std::string_view name : method_names(methods))
+  for (const std::string_view name : method_names())
     names += (names.empty() ? "" : ", ") + quoted(name);
   std::string text = R"({"method": {"enum": [)" + names + R"(], "default": "auto"})";
-  for (const SceneMethod method : methods) {
+  for (const SceneMethod method : subsurface_methods()) {
     if (method->numbers.empty()) continue;
     text += ", " + quoted(method.name()) +
             R"(: {"type": "object", "additionalProperties": false, "properties": {)";

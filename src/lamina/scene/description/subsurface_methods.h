@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,28 +14,29 @@
 
 namespace lamina {
 
-/// The methods that lamina brings and some more, in the order in which users read of them.
-[[nodiscard]] std::vector<SceneMethod> subsurface_methods(
-    std::span<const SubsurfaceMethodInfo> more = {});
+/// The methods in the order in which users read of them.
+[[nodiscard]] std::vector<SceneMethod> subsurface_methods();
 
 /// The names that files and commands know: "auto", then those of the methods.
-[[nodiscard]] std::vector<std::string_view> method_names(const std::vector<SceneMethod>& methods);
+[[nodiscard]] std::vector<std::string_view> method_names();
 
 /// The method of a name; absent if there is none.
-[[nodiscard]] std::optional<SceneMethod> find_method(std::string_view name,
-                                                     const std::vector<SceneMethod>& methods);
+[[nodiscard]] std::optional<SceneMethod> find_method(std::string_view name);
+/// @param place  of the name, for the error
+/// @throws InvalidInput if there is none
+[[nodiscard]] SceneMethod method_named(const std::string& place, std::string_view name);
 
 /// Whether any of a method's numbers is not the default.
 [[nodiscard]] bool has_numbers_of(const RenderSettings& settings, SceneMethod method);
 
 /// Describes the methods for the help of a command: "NAME HOW; NAME HOW".
-[[nodiscard]] std::string describe_methods(const std::vector<SceneMethod>& methods);
+[[nodiscard]] std::string describe_methods();
 
 /// Table of the methods in Markdown, as docs/subsurface.md has it.
-[[nodiscard]] std::string methods_table(const std::vector<SceneMethod>& methods);
+[[nodiscard]] std::string methods_table();
 
 /// The keys of "render" that are about methods, as the properties of a JSON schema: "method" and an
 /// object for each method that has numbers.
-[[nodiscard]] std::string methods_schema(const std::vector<SceneMethod>& methods);
+[[nodiscard]] std::string methods_schema();
 
 }  // namespace lamina

@@ -15,14 +15,6 @@ double unmasked_bsdf(const GaussianSurface& surface, const Vec3& wi, const Vec3&
 
 }  // namespace
 
-double normals_per_refraction(double cos_alpha, double eta) {
-  assert(0.0 < cos_alpha && cos_alpha <= 1.0 && eta > 0.0 && eta != 1.0);
-  const double cos_beta = cos_refracted(cos_alpha, eta);
-  // A.14 is n^2 cos b / (cos a - n cos b)^2, and cos^2 a - n^2 cos^2 b = 1 - n^2 by Snell's law.
-  const double sum = (cos_alpha + eta * cos_beta) / ((eta - 1.0) * (eta + 1.0));
-  return eta * eta * cos_beta * sum * sum;
-}
-
 double visibility(const GaussianSurface& surface, const Vec3& w) {
   const double s = surface.smoothness;
   const double tan_theta = std::sqrt(w.x * w.x + w.y * w.y) / std::abs(w.z);

@@ -22,12 +22,6 @@ struct GaussianSurface {
   return {.facets = {.alpha = 2.0 / surface.smoothness}, .eta = surface.eta};
 }
 
-/// Solid angle of facet normals per solid angle of refracted directions, for light that meets its
-/// facet at an angle of cosine cos_alpha in (0, 1]; 0 under total reflection.
-///
-/// Source: [XuSun2008] Eq. A.14, in a form without its differences of nearly equal numbers.
-[[nodiscard]] double normals_per_refraction(double cos_alpha, double eta);
-
 /// Probability V(0, theta) that a facet at mean height is seen from the direction w above it.
 ///
 /// Source: [XuSun2008] Eq. 24. The printed exponent can be read two ways; it is s^2 / (4 tan^2).

@@ -13,22 +13,41 @@
 #include "lamina/render/subsurface/hierarchy/hierarchy_transport.h"
 #include "lamina/render/subsurface/probe/probe_transport.h"
 #include "lamina/render/subsurface/profiles/colored_transport.h"
+#include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/render/subsurface/random_walk/random_walk.h"
 #include "lamina/render/subsurface/shadow_map/shadow_map_transport.h"
 #include "lamina/render/subsurface/single_scattering/single_scattering.h"
 #include "lamina/render/subsurface/texture_space/texture_space_transport.h"
+#include "lamina/scene/description/materials_in_use.h"
 
 namespace lamina {
 namespace {
 
-/// Of methods that take a profile.
-template <template <int> class Transport>
-constexpr auto make_by_profile = []<int N>(const MethodContext<N>& c) {
+/// The parts that the methods of a picture are made of; all must outlive them.
+template <int N>
+struct MethodContext {
+  const RenderScene& scene;
+  const BandConversion<N>& conversion;
+  const ProfileMaker& make_profile;
+  bool is_printed_exit;  ///< RenderSettings::ExitAngle
+};
+
+/// Makes a method for the translucent materials of a scene that are in use, `make(material)` each.
+template <int N, class Make>
+SubsurfaceMethods<N> make_for_each_material(const MethodContext<N>& context, const Make& make) {
+  const Scene& scene = *context.scene.scene;
+  SubsurfaceMethods<N> methods(scene.materials.size());
+  for (const std::uint32_t m : translucent_materials_in_use(scene)) methods[m] = make(m);
+  return methods;
+}
+
+template <template <int> class Transport, int N>
+SubsurfaceMethods<N> make_by_profile(const MethodContext<N>& c) {
   return make_for_each_material(c, [&](std::uint32_t material) {
     return std::make_unique<Transport<N>>(c.scene, c.conversion, material, c.make_profile,
                                           c.is_printed_exit);
   });
-};
+}
 
 template <int N>
 SubsurfaceMethods<N> make_random_walks(const MethodContext<N>& c, bool are_quiet = false) {
@@ -87,36 +106,21 @@ Progress announced(const Progress& progress,
   };
 }
 
-const SubsurfaceMethodMaker* find_maker(SceneMethod method, const RenderOptions& options) {
-  for (const SubsurfaceMethodMaker& maker : subsurface_method_makers())
-    if (maker.method == method) return &maker;
-  for (const SubsurfaceMethodMaker* maker : options.more_methods)
-    if (maker->method == method) return maker;
-  throw InvalidInput("render: nobody knows how to make the method \"" + std::string(method.name()) +
-                     "\"");
+template <int N>
+SubsurfaceMethods<N> make_of_table(SceneMethod method, const MethodContext<N>& c) {
+  if (method == SceneMethod::probe) return make_by_profile<ProbeTransport>(c);
+  if (method == SceneMethod::hierarchy) return make_by_profile<HierarchyTransport>(c);
+  if (method == SceneMethod::shadow_map) return make_by_profile<ShadowMapTransport>(c);
+  if (method == SceneMethod::texture_space)
+    return make_for_each_material(c, [&](std::uint32_t material) {
+      return std::make_unique<TextureSpaceTransport<N>>(c.scene, material, c.is_printed_exit);
+    });
+  if (method == SceneMethod::random_walk) return make_random_walks(c);
+  if (method->is_bsdf) return SubsurfaceMethods<N>(c.scene.scene->materials.size());
+  throw InvalidInput("render: unknown method \"" + std::string(method.name()) + "\"");
 }
 
 }  // namespace
-
-std::span<const SubsurfaceMethodMaker> subsurface_method_makers() {
-  static const std::vector<SubsurfaceMethodMaker> makers = {
-      {SceneMethod::probe, make_by_profile<ProbeTransport>},
-      {SceneMethod::layered_bsdf,
-       []<int N>(const MethodContext<N>& c) {
-         return SubsurfaceMethods<N>(c.scene.scene->materials.size());
-       }},
-      {SceneMethod::hierarchy, make_by_profile<HierarchyTransport>},
-      {SceneMethod::shadow_map, make_by_profile<ShadowMapTransport>},
-      {SceneMethod::texture_space,
-       []<int N>(const MethodContext<N>& c) {
-         return make_for_each_material(c, [&](std::uint32_t material) {
-           return std::make_unique<TextureSpaceTransport<N>>(c.scene, material, c.is_printed_exit);
-         });
-       }},
-      {SceneMethod::random_walk,
-       []<int N>(const MethodContext<N>& c) { return make_random_walks(c); }}};
-  return makers;
-}
 
 template <int N>
 SubsurfaceMethods<N> make_subsurface_methods(const RenderScene& scene,
@@ -127,11 +131,9 @@ SubsurfaceMethods<N> make_subsurface_methods(const RenderScene& scene,
   require_light_once(settings);
   const ProfileMaker make_profile(settings, announced(progress, options.on_notice));
   const bool is_printed = settings.exit_angle == RenderSettings::ExitAngle::printed;
-  const SubsurfaceMethodMaker& maker = *find_maker(settings.method, options);
-  using Make = SubsurfaceMethodMaker::Make<N>;
-  SubsurfaceMethods<N> methods =
-      std::get<Make>(maker.make)({scene, conversion, make_profile, is_printed});
-  if (settings.is_corrected) correct(methods, {scene, conversion, make_profile, is_printed});
+  const MethodContext<N> context{scene, conversion, make_profile, is_printed};
+  SubsurfaceMethods<N> methods = make_of_table(settings.method, context);
+  if (settings.is_corrected) correct(methods, context);
   using Single = RenderSettings::SingleScattering;
   if (settings.single_scattering != Single::none)
     for (std::uint32_t m = 0; m < methods.size(); ++m)

@@ -219,11 +219,6 @@ Film decode_film(const JsonInput& value) {
   return film;
 }
 
-SceneMethod decode_method(const JsonInput& value, const std::vector<SceneMethod>& methods) {
-  const std::vector<std::string_view> names = method_names(methods);
-  return *find_method(names[value.choice(names)], methods);
-}
-
 /// The object that is named after a method.
 void decode_numbers(const JsonInput& value, SceneMethod method, RenderSettings& settings) {
   std::vector<std::string_view> keys;
@@ -238,8 +233,8 @@ void decode_numbers(const JsonInput& value, SceneMethod method, RenderSettings& 
                      : given->number(closed_interval(number.low, number.high, number.unit)));
 }
 
-RenderSettings decode_render_settings(const JsonInput& value,
-                                      const std::vector<SceneMethod>& methods) {
+RenderSettings decode_render_settings(const JsonInput& value) {
+  const std::vector<SceneMethod> methods = subsurface_methods();
   std::vector<std::string_view> keys = {
       "method", "profile", "orders",      "factors", "single_scattering", "samples_per_pixel",
       "noise",  "clamp",   "max_bounces", "seed",    "exit_angle",        "correct"};
@@ -247,8 +242,10 @@ RenderSettings decode_render_settings(const JsonInput& value,
     if (!method->numbers.empty()) keys.push_back(method.name());
   const JsonObject object = value.object(keys);
   RenderSettings settings;
-  if (const auto method = object.optional("method"))
-    settings.method = decode_method(*method, methods);
+  if (const auto method = object.optional("method")) {
+    const std::vector<std::string_view> names = method_names();
+    settings.method = *find_method(names[method->choice(names)]);
+  }
   if (const auto orders = object.optional("orders"))
     settings.orders = orders->choice<LayeredOrders>();
   if (const auto factors = object.optional("factors"))
@@ -349,7 +346,7 @@ void measure_vertex_colors(Scene& scene) {
     });
 }
 
-Scene decode_scene(const JsonInput& root, const std::vector<SceneMethod>& methods) {
+Scene decode_scene(const JsonInput& root) {
   const JsonObject file = root.file_object("scene", 1,
                                            {"$schema", "name", "mm_per_unit", "camera", "film",
                                             "materials", "meshes", "lights", "render"});
@@ -360,10 +357,10 @@ Scene decode_scene(const JsonInput& root, const std::vector<SceneMethod>& method
   // What is cheap to check comes before what takes time to load.
   scene.camera = decode_camera(file.required("camera"), mm_per_unit);
   if (const auto film = file.optional("film")) scene.film = decode_film(*film);
-  if (const auto render = file.optional("render"))
-    scene.render = decode_render_settings(*render, methods);
-  if (const auto render = file.optional("render"))
+  if (const auto render = file.optional("render")) {
+    scene.render = decode_render_settings(*render);
     note_places(*render, "render", render_settings, scene);
+  }
   scene_file::Images images;
   scene_file::SceneMaterials scene_materials;
   std::vector<DecodedMaterial>& materials = scene_materials.list;
@@ -412,10 +409,9 @@ void make_background_transparent(Scene& scene) {
     if (auto* sky = std::get_if<EnvironmentLight>(&light)) sky->is_visible = false;
 }
 
-Scene load_scene(const JsonFile& file, MemoryBudget memory, std::span<const std::string> settings,
-                 std::span<const SubsurfaceMethodInfo> more_methods) {
+Scene load_scene(const JsonFile& file, MemoryBudget memory, std::span<const std::string> settings) {
   const JsonDocument document = load_json(file, memory, settings);
-  return decode_scene(document.root(), subsurface_methods(more_methods));
+  return decode_scene(document.root());
 }
 
 }  // namespace lamina
