@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "lamina/render/subsurface/papers/shadow_map/internal/shadow_buffer.h"
 #include "lamina/render/subsurface/preparation.h"
 #include "lamina/render/subsurface/profiles/gather_profiles.h"
 #include "lamina/render/subsurface/profiles/material_profiles.h"
-#include "lamina/render/subsurface/shadow_map/internal/shadow_buffer.h"
 
 namespace lamina {
 

@@ -8,7 +8,7 @@
 #include "lamina/base/core/quadrature.h"
 #include "lamina/layers/optics/fresnel.h"
 #include "lamina/render/shading/refracted_entry.h"
-#include "render/subsurface/single_scattering/light_once.h"
+#include "render/subsurface/papers/single_scattering/light_once.h"
 
 namespace lamina {
 namespace {

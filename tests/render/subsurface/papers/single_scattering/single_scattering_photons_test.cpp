@@ -9,7 +9,7 @@
 #include "lamina/base/core/quadrature.h"
 #include "lamina/layers/optics/fresnel.h"
 #include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
-#include "render/subsurface/single_scattering/light_once.h"
+#include "render/subsurface/papers/single_scattering/light_once.h"
 
 namespace lamina {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "lamina/render/subsurface/single_scattering/single_scattering.h"
+#include "lamina/render/subsurface/papers/single_scattering/single_scattering.h"
 #include "render/small_scenes.h"
 
 // Light scattered once, alone: what SingleScattering adds to a method that finds nothing.

@@ -9,7 +9,7 @@
 #include "lamina/layers/optics/fresnel.h"
 #include "lamina/render/subsurface/profiles/once_in_even_light.h"
 #include "lamina/solve/reflectance/material_totals.h"
-#include "render/subsurface/single_scattering/light_once.h"
+#include "render/subsurface/papers/single_scattering/light_once.h"
 
 namespace lamina {
 namespace {

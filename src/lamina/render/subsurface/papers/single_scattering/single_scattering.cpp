@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/single_scattering/single_scattering.h"
+#include "lamina/render/subsurface/papers/single_scattering/single_scattering.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/shadow_map/shadow_map_transport.h"
+#include "lamina/render/subsurface/papers/shadow_map/shadow_map_transport.h"
 
 #include <algorithm>
 #include <atomic>

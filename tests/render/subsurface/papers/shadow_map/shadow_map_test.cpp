@@ -7,8 +7,8 @@
 #include "lamina/base/core/random.h"
 #include "lamina/render/lights/internal/environment.h"
 #include "lamina/render/lights/light_views.h"
+#include "lamina/render/subsurface/papers/shadow_map/internal/shadow_buffer.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
-#include "lamina/render/subsurface/shadow_map/internal/shadow_buffer.h"
 #include "lamina/scene/description/studio_environment.h"
 #include "render/small_scenes.h"
 
