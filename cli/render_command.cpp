@@ -70,16 +70,19 @@ PixelRectangle read_region(const std::string& text) {
 /// What the command line asks for in place of the scene file; another method leaves out what it
 /// does not honour of the file's settings, with a warning.
 void apply(const RenderCommandOptions& options, Scene& scene) {
+  const auto leave_out = [&] {
+    const std::vector<std::string> left_out = leave_out_unhonoured(scene);
+    warn(left_out);
+    scene.warnings.insert(scene.warnings.end(), left_out.begin(), left_out.end());
+  };
+  if (const auto quality = find_enum_value<RenderSettings::Quality>(options.quality))
+    set_quality(*quality, scene);
   if (options.samples > 0) scene.render.samples_per_pixel = options.samples;
   if (options.noise >= 0.0f) scene.render.noise = options.noise;
   if (options.clamp >= 0.0f) scene.render.clamp = options.clamp;
   if (options.max_bounces >= 0) scene.render.max_bounces = options.max_bounces;
-  if (!options.method.empty()) {
-    scene.render.method = method_named("--method", options.method);
-    const std::vector<std::string> left_out = leave_out_unhonoured(scene);
-    warn(left_out);
-    scene.warnings.insert(scene.warnings.end(), left_out.begin(), left_out.end());
-  }
+  if (!options.method.empty()) scene.render.method = method_named("--method", options.method);
+  if (!options.method.empty() || !options.quality.empty()) leave_out();
   if (!options.single_scattering.empty()) {
     scene.places["render.single_scattering"] = "--single-scattering";
     scene.render.single_scattering =
@@ -163,6 +166,7 @@ void print_check(const RenderCommandOptions& options, const Scene& scene,
       scene.render.method.is_open() ? "auto" : std::string(scene.render.method.name());
   JsonOutput json = make_result("render");
   json["method"] = method;
+  if (const auto quality = scene.render.quality) json["quality"] = name_of(*quality);
   json["width"] = scene.film.width;
   json["height"] = scene.film.height;
   json["samples_per_pixel"] = scene.render.samples_per_pixel;
@@ -171,9 +175,12 @@ void print_check(const RenderCommandOptions& options, const Scene& scene,
     json["region"] = JsonOutput::array({region->x, region->y, region->width, region->height});
   json["files"] = files;
   write_json(json, options.common);
-  print(options.common,
-        fmt::format("{}: {} x {} pixels, {} samples per pixel, method {}\n", fmt::join(files, ", "),
-                    scene.film.width, scene.film.height, scene.render.samples_per_pixel, method));
+  print(
+      options.common,
+      fmt::format(
+          "{}: {} x {} pixels, {} samples per pixel, method {}{}\n", fmt::join(files, ", "),
+          scene.film.width, scene.film.height, scene.render.samples_per_pixel, method,
+          scene.render.quality ? fmt::format(", quality {}", name_of(*scene.render.quality)) : ""));
 }
 
 void run_render(const RenderCommandOptions& options) {
@@ -223,6 +230,146 @@ void run_render(const RenderCommandOptions& options) {
   render_picture(options, files, look, std::move(scene), checkpoint, {});
 }
 
+/// How good the picture is to be, and how long that may take.
+void add_quality_options(const Command& command, RenderCommandOptions& options) {
+  command
+      .add_option("--quality", options.quality,
+                  "how good: preview, a first look; final, with what errs little and has no noise "
+                  "below surfaces; reference, with no error but noise. Chooses method, correction "
+                  "and samples, in place of the scene's; --method, --correct and --samples stand "
+                  "in place of its choice")
+      .one_of(names_as_text<RenderSettings::Quality>());
+  command.add_option("--samples", options.samples, "samples per pixel")
+      .type_name("N")
+      .range(1, 1 << 24);
+  command
+      .add_option("--noise", options.noise,
+                  "ends where the standard error is below this fraction of the brightness, "
+                  "0.01 for clean pictures; --samples is then the most that a pixel gets")
+      .type_name("X")
+      .range(0.0, 1.0);
+  command.add_option("--bounces", options.max_bounces, "bounces of light between surfaces")
+      .type_name("N")
+      .range(0, 1000);
+  command
+      .add_option(
+          "--clamp", options.clamp,
+          "cuts the light of single samples to X per channel, against fireflies: the picture "
+          "lacks what is cut")
+      .type_name("X")
+      .range(0.0, 1e6);
+  command.add_flag("--denoise", options.denoises,
+                   "averages over what looks alike within the noise: for viewing, not measuring. "
+                   "The EXR keeps the noisy colors too");
+}
+
+/// The size of the picture and the layers that its file has.
+void add_picture_options(const Command& command, RenderCommandOptions& options) {
+  command.add_option("--width", options.width, "width in pixels; alone it keeps the proportions")
+      .type_name("N")
+      .range(1, 16384);
+  command.add_option("--height", options.height, "height in pixels").type_name("N").range(1, 16384);
+  command
+      .add_option("--region", options.region,
+                  "renders these pixels alone, from the upper left corner: they are those of the "
+                  "whole picture. The EXR has them in their place (its data window), the PNG is of "
+                  "their size")
+      .type_name("X,Y,WIDTH,HEIGHT");
+  command.add_flag("--alpha", options.has_alpha,
+                   "channel A: how much of a pixel surfaces cover; the sky lights but is not seen");
+  command.add_flag("--cryptomatte", options.has_mattes,
+                   "mattes of objects and materials in the EXR, by Cryptomatte's conventions");
+  command.add_flag("--light-layers", options.has_light_layers,
+                   "layers light.NAME of each light in the EXR, whose sum is the picture; lights "
+                   "that share a \"name\" in the scene share one. They are rendered one after the "
+                   "other, each with all --samples");
+  command.add_flag(
+      "--stamp", options.is_stamped,
+      "the EXR says the scene's file, the command, the date and the time it took, too");
+}
+
+/// Work in parts, work that goes on, and checks without work.
+void add_work_options(const Command& command, RenderCommandOptions& options) {
+  command.add_flag("--resume", options.resumes,
+                   "goes on with a picture that was stopped or killed: the result is the same as "
+                   "without. A file IMAGE.unfinished keeps what there is, every half minute. More "
+                   "--samples than were wanted then add to it");
+  command.add_flag("--fresh", options.starts_anew,
+                   "starts anew in place of what IMAGE.unfinished keeps, which stays otherwise");
+  command.add_flag("--keep", options.keeps,
+                   "keeps IMAGE.unfinished of a finished picture, too: --resume with more "
+                   "--samples, or less --noise, then adds to it, and without --noise makes the "
+                   "picture of all samples at once, bit by bit. 248 bytes per pixel");
+  command.add_flag("--progressive", options.is_progressive,
+                   "writes the picture every few seconds while it grows, from the first sample of "
+                   "all pixels on; each takes the place of the last as a whole");
+  command.add_flag(
+      "--watch", options.watches,
+      "renders again when the scene changes or a file that it names, until Ctrl-C; a "
+      "change ends the work on a picture that it makes out of date. What is wrong in a "
+      "file is said, and waited for");
+  command
+      .add_option("--shard", options.shard,
+                  "does part I of N of the samples of all pixels, for `lamina merge`, which makes "
+                  "the same picture of all parts; --output is then X.shard")
+      .type_name("I/N");
+  command.add_flag("--prepare", options.only_prepares,
+                   "makes no picture but what shards share: the light of --cache, and the profiles "
+                   "that lamina keeps on disk");
+  command.add_flag("--check", options.only_checks,
+                   "reads the scene and says what would be rendered, without doing it");
+}
+
+/// Methods of light below surfaces, for those who know them, and the light that they keep.
+void add_method_options(const Command& command, RenderCommandOptions& options) {
+  command
+      .add_option("--method", options.method,
+                  "of light below surfaces: auto, one of the others by what the scene needs; " +
+                      describe_methods())
+      .type_name("NAME");
+  command.add_flag("--correct", options.corrects,
+                   "corrects the light of hierarchy and texture_space, which take the surface as "
+                   "flat, by random walks");
+  command
+      .add_option("--profile", options.profile,
+                  "model of the profile of light below surfaces: radiative_transfer, the default, "
+                  "some seconds per material once, then on disk; diffusion, at once, for previews, "
+                  "and the default beside --single-scattering; dipole, diffusion in a single layer")
+      .one_of(names_as_text<RenderSettings::Profile>());
+  command
+      .add_option("--compare", options.compared,
+                  "renders by each of these methods; writes IMAGE_METHOD.exr and .png, IMAGE.svg "
+                  "with all side by side over their differences from the slowest, and a table")
+      .type_name("NAME,NAME,...")
+      .delimiter(',');
+  command
+      .add_option("--cache", options.cache,
+                  "keeps the light that hierarchy samples, or that leaves at the texels of "
+                  "texture_space: other cameras on the same scene read it instead. "
+                  "PLY, a point per sample. Made anew where the light has changed or the file is "
+                  "damaged")
+      .type_name("FILE");
+  command.add_flag("--cache-only", options.needs_cache,
+                   "ends with what differs where the light of --cache would have to be made anew");
+  command.add_flag(
+      "--foreign-light", options.takes_foreign_light,
+      "takes the light of --cache as it is, whoever made it and for whatever scene, and "
+      "leaves the file alone");
+}
+
+/// Methods that are kept to compare with the papers' pictures.
+void add_paper_options(const Command& command, RenderCommandOptions& options) {
+  command
+      .add_option(
+          "--single-scattering", options.single_scattering,
+          "adds light scattered once below the surface, which a profile by diffusion lacks: "
+          "straight (to the light) or refracted (by Snell's law), as in [Hery2003]. Of the papers "
+          "are also --method shadow_map, --profile dipole and, in scenes, exit_angle \"printed\", "
+          "factors and scattering \"xu_sun\"")
+      .one_of(names_as_text<RenderSettings::SingleScattering>())
+      .group("Methods of the papers");
+}
+
 }  // namespace
 
 void warn(const std::vector<std::string>& lines) {
@@ -254,124 +401,18 @@ void add_render_command(CLI::App& app) {
                   "with a frame number for one, both; in a folder, or without the option, both "
                   "named after the scene")
       .type_name("IMAGE");
-  command.add_option("--samples", options->samples, "samples per pixel")
-      .type_name("N")
-      .range(1, 1 << 24);
-  command
-      .add_option("--noise", options->noise,
-                  "ends where the standard error is below this fraction of the brightness, "
-                  "0.01 for clean pictures; --samples is then the most that a pixel gets")
-      .type_name("X")
-      .range(0.0, 1.0);
-  command.add_flag("--resume", options->resumes,
-                   "goes on with a picture that was stopped or killed: the result is the same as "
-                   "without. A file IMAGE.unfinished keeps what there is, every half minute. More "
-                   "--samples than were wanted then add to it");
-  command.add_flag("--fresh", options->starts_anew,
-                   "starts anew in place of what IMAGE.unfinished keeps, which stays otherwise");
-  command.add_flag("--keep", options->keeps,
-                   "keeps IMAGE.unfinished of a finished picture, too: --resume with more "
-                   "--samples, or less --noise, then adds to it, and without --noise makes the "
-                   "picture of all samples at once, bit by bit. 248 bytes per pixel");
-  command.add_flag("--progressive", options->is_progressive,
-                   "writes the picture every few seconds while it grows, from the first sample of "
-                   "all pixels on; each takes the place of the last as a whole");
-  command.add_flag(
-      "--watch", options->watches,
-      "renders again when the scene changes or a file that it names, until Ctrl-C; a "
-      "change ends the work on a picture that it makes out of date. What is wrong in a "
-      "file is said, and waited for");
-  command
-      .add_option("--shard", options->shard,
-                  "does part I of N of the samples of all pixels, for `lamina merge`, which makes "
-                  "the same picture of all parts; --output is then X.shard")
-      .type_name("I/N");
-  command.add_flag("--prepare", options->only_prepares,
-                   "makes no picture but what shards share: the light of --cache, and the profiles "
-                   "that lamina keeps on disk");
-  command.add_flag("--check", options->only_checks,
-                   "reads the scene and says what would be rendered, without doing it");
-  command.add_option("--width", options->width, "width in pixels; alone it keeps the proportions")
-      .type_name("N")
-      .range(1, 16384);
-  command.add_option("--height", options->height, "height in pixels")
-      .type_name("N")
-      .range(1, 16384);
-  command
-      .add_option("--region", options->region,
-                  "renders these pixels alone, from the upper left corner: they are those of the "
-                  "whole picture. The EXR has them in their place (its data window), the PNG is of "
-                  "their size")
-      .type_name("X,Y,WIDTH,HEIGHT");
-  command.add_option("--bounces", options->max_bounces, "bounces of light between surfaces")
-      .type_name("N")
-      .range(0, 1000);
-  command
-      .add_option("--method", options->method,
-                  "of light below surfaces: auto, one of the others by what the scene needs; " +
-                      describe_methods())
-      .type_name("NAME");
-  command
-      .add_option("--compare", options->compared,
-                  "renders by each of these methods; writes IMAGE_METHOD.exr and .png, IMAGE.svg "
-                  "with all side by side over their differences from the slowest, and a table")
-      .type_name("NAME,NAME,...")
-      .delimiter(',');
-  command
-      .add_option(
-          "--clamp", options->clamp,
-          "cuts the light of single samples to X per channel, against fireflies: the picture "
-          "lacks what is cut")
-      .type_name("X")
-      .range(0.0, 1e6);
-  command.add_flag("--denoise", options->denoises,
-                   "averages over what looks alike within the noise: for viewing, not measuring. "
-                   "The EXR keeps the noisy colors too");
-  command
-      .add_option(
-          "--single-scattering", options->single_scattering,
-          "adds light scattered once below the surface: straight (to the light) or refracted "
-          "(by Snell's law)")
-      .one_of(names_as_text<RenderSettings::SingleScattering>());
-  command.add_flag("--correct", options->corrects,
-                   "corrects the light of hierarchy and texture_space, which take the surface as "
-                   "flat, by random walks");
-  command
-      .add_option("--cache", options->cache,
-                  "keeps the light that hierarchy samples, or that leaves at the texels of "
-                  "texture_space: other cameras on the same scene read it instead. "
-                  "PLY, a point per sample. Made anew where the light has changed or the file is "
-                  "damaged")
-      .type_name("FILE");
-  command.add_flag("--cache-only", options->needs_cache,
-                   "ends with what differs where the light of --cache would have to be made anew");
-  command.add_flag(
-      "--foreign-light", options->takes_foreign_light,
-      "takes the light of --cache as it is, whoever made it and for whatever scene, and "
-      "leaves the file alone");
-  command
-      .add_option("--profile", options->profile,
-                  "model of the profile of light below surfaces: radiative_transfer, the default, "
-                  "some seconds per material once, then on disk; diffusion, at once, for previews, "
-                  "and the default beside --single-scattering; dipole, diffusion in a single layer")
-      .one_of(names_as_text<RenderSettings::Profile>());
+  add_quality_options(command, *options);
+  add_picture_options(command, *options);
+  add_work_options(command, *options);
+  add_method_options(command, *options);
+  add_paper_options(command, *options);
   add_look_options(command, options->look);
-  command.add_flag("--alpha", options->has_alpha,
-                   "channel A: how much of a pixel surfaces cover; the sky lights but is not seen");
-  command.add_flag("--cryptomatte", options->has_mattes,
-                   "mattes of objects and materials in the EXR, by Cryptomatte's conventions");
-  command.add_flag("--light-layers", options->has_light_layers,
-                   "layers light.NAME of each light in the EXR, whose sum is the picture; lights "
-                   "that share a \"name\" in the scene share one. They are rendered one after the "
-                   "other, each with all --samples");
-  command.add_flag(
-      "--stamp", options->is_stamped,
-      "the EXR says the scene's file, the command, the date and the time it took, too");
   add_common_options(command, options->common);
   options->seed = command.option("--seed");
   command.footer(
       "What is not given is as the scene says. Ctrl-C keeps the image as far as it got.\n"
       "Example: lamina render scenes/sphere_skin.json -o sphere.png --samples 16 --width 256\n"
+      "  a first look: lamina render scenes/sphere_skin.json -o look.png --quality preview\n"
       "  the same from near: lamina render scenes/sphere_skin.json -o near.png --set "
       "camera.horizontal_fov=20");
   command.callback([options] { run_render(*options); });

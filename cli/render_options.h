@@ -17,7 +17,7 @@ namespace lamina::cli {
 /// Options of `lamina render`.
 struct RenderCommandOptions {
   CommonOptions common;
-  std::string scene, output, method, profile, cache, single_scattering, shard, region;
+  std::string scene, output, quality, method, profile, cache, single_scattering, shard, region;
   int samples = 0, width = 0, height = 0, max_bounces = -1;
   float noise = -1.0f, clamp = -1.0f;
   bool needs_cache = false, takes_foreign_light = false, resumes = false, keeps = false,

@@ -65,6 +65,91 @@ Progress until_changed(Progress progress, const std::function<bool()>& has_chang
   };
 }
 
+/// Lines on skin, on samples of the light and on its correction.
+std::string describe_materials(const Scene& scene, const RenderStatistics& s) {
+  std::string lines;
+  for (const SkinTotals& totals : skin_totals(scene))
+    lines += describe_skin_totals(totals, scene) + "\n";
+  for (const LightSamples& light : s.light_samples)
+    lines +=
+        fmt::format("{}: {} samples of the light, {:.3g} mm apart{}\n",
+                    scene.materials[light.material].name, light.count, light.spacing,
+                    light.change ? fmt::format("; twice as far apart the light differs by {:.2g} %",
+                                               100.0 * *light.change)
+                                 : "");
+  for (const LightCorrection& correction : s.corrections)
+    lines += fmt::format(
+        "{}: light corrected by {:.2g} million random walks, {:.2g} % of it; about {:.2g} % of "
+        "error left\n",
+        scene.materials[correction.material].name, 1e-6 * static_cast<double>(correction.walks),
+        100.0 * correction.change, 100.0 * correction.error_left);
+  return lines;
+}
+
+/// Entries on materials: how their light was sampled, corrected and spread.
+void add_materials(const Scene& scene, const RenderStatistics& s, JsonOutput& json) {
+  for (const LightSamples& light : s.light_samples) {
+    auto& entry = json["light_samples"].emplace_back();
+    entry["material"] = scene.materials[light.material].name;
+    entry["spacing_mm"] = light.spacing;
+    entry["count"] = light.count;
+    if (light.change) entry["change"] = *light.change;
+  }
+  for (const LightCorrection& correction : s.corrections)
+    json["corrections"].push_back({{"material", scene.materials[correction.material].name},
+                                   {"walks", correction.walks},
+                                   {"change", correction.change},
+                                   {"error_left", correction.error_left}});
+  for (const ProfileUse& use : s.profiles)
+    json["profiles"].push_back(
+        {{"material", scene.materials[use.material].name}, {"profile", name_of(use.source)}});
+}
+
+/// Entries on the scene's recipes of skin and on bands that were changed.
+void add_recipes(const Scene& scene, JsonOutput& json) {
+  for (const SkinTotals& totals : skin_totals(scene))
+    json["skin"].push_back({{"material", scene.materials[totals.material].name},
+                            {"constants", name_of(totals.constants)},
+                            {"totals", totals.by_transfer ? "radiative_transfer" : "diffusion"}});
+  for (const BandChange& change : scene.band_changes) {
+    auto& entry = json["band_changes"].emplace_back();
+    entry["material"] = scene.materials[change.material].name;
+    if (!change.covering.empty()) entry["over"] = change.covering;
+    entry["from"] =
+        change.from.is_rgb() ? JsonOutput("rgb") : JsonOutput(change.from.wavelengths());
+    entry["color_error"] = change.color_error;
+  }
+}
+
+JsonOutput picture_json(const RenderCommandOptions& options, const Scene& scene,
+                        const RenderStatistics& s) {
+  JsonOutput json = make_result("render");
+  json["method"] = std::string(s.method.name());
+  if (!s.why_method.empty()) json["method_chosen_because"] = s.why_method;
+  if (const auto quality = scene.render.quality) json["quality"] = name_of(*quality);
+  json["is_corrected"] = s.is_corrected;
+  json["expected_cpu_seconds"] = s.expected_cpu_seconds;
+  json["expected_memory_mib"] = s.expected_memory_mib;
+  json["wall_seconds"] = s.wall_seconds;
+  json["cpu_seconds"] = s.cpu_seconds;
+  json["samples_per_pixel"] = s.samples_per_pixel;
+  if (s.relative_noise) json["relative_noise"] = *s.relative_noise;
+  if (s.relative_noise_rms) json["relative_noise_rms"] = *s.relative_noise_rms;
+  json["peak_memory_mib"] = s.peak_memory_mib;
+  add_materials(scene, s, json);
+  if (options.has_light_layers)
+    for (const LightGroup& group : light_groups(scene)) json["light_layers"].push_back(group.name);
+  json["width"] = scene.film.width;
+  json["height"] = scene.film.height;
+  if (const auto& region = scene.film.region)
+    json["region"] = JsonOutput::array({region->x, region->y, region->width, region->height});
+  json["is_complete"] = s.is_complete;
+  add_recipes(scene, json);
+  json["warnings"] = scene.warnings;
+  for (const std::string& warning : s.warnings) json["warnings"].push_back(warning);
+  return json;
+}
+
 }  // namespace
 
 void render_picture(const RenderCommandOptions& options, const PictureFiles& files,
@@ -110,80 +195,15 @@ void render_picture(const RenderCommandOptions& options, const PictureFiles& fil
   const std::string written = look.write(result.image, files, notes, of_film(scene.film));
 
   const RenderStatistics& s = result.statistics;
-  for (const std::string& warning : s.warnings) say("warning: " + warning);
+  warn(s.warnings);
   if (!s.is_complete) say_how_to_go_on();
-  std::string sampled;
-  for (const LightSamples& light : s.light_samples)
-    sampled +=
-        fmt::format("{}: {} samples of the light, {:.3g} mm apart{}\n",
-                    scene.materials[light.material].name, light.count, light.spacing,
-                    light.change ? fmt::format("; twice as far apart the light differs by {:.2g} %",
-                                               100.0 * *light.change)
-                                 : "");
-  for (const LightCorrection& correction : s.corrections)
-    sampled += fmt::format(
-        "{}: light corrected by {:.2g} million random walks, {:.2g} % of it; about {:.2g} % of "
-        "error left\n",
-        scene.materials[correction.material].name, 1e-6 * static_cast<double>(correction.walks),
-        100.0 * correction.change, 100.0 * correction.error_left);
   scene.render.method = s.method;  // where it was left open
-  std::string skins;
-  for (const SkinTotals& totals : skin_totals(scene))
-    skins += describe_skin_totals(totals, scene) + "\n";
-  const std::string noise = describe_noise(s.relative_noise, s.relative_noise_rms);
-  JsonOutput json = make_result("render");
-  json["method"] = std::string(s.method.name());
-  if (!s.why_method.empty()) json["method_chosen_because"] = s.why_method;
-  json["expected_cpu_seconds"] = s.expected_cpu_seconds;
-  json["expected_memory_mib"] = s.expected_memory_mib;
-  json["wall_seconds"] = s.wall_seconds;
-  json["cpu_seconds"] = s.cpu_seconds;
-  json["samples_per_pixel"] = s.samples_per_pixel;
-  if (s.relative_noise) json["relative_noise"] = *s.relative_noise;
-  if (s.relative_noise_rms) json["relative_noise_rms"] = *s.relative_noise_rms;
-  json["peak_memory_mib"] = s.peak_memory_mib;
-  for (const LightSamples& light : s.light_samples) {
-    auto& entry = json["light_samples"].emplace_back();
-    entry["material"] = scene.materials[light.material].name;
-    entry["spacing_mm"] = light.spacing;
-    entry["count"] = light.count;
-    if (light.change) entry["change"] = *light.change;
-  }
-  for (const LightCorrection& correction : s.corrections)
-    json["corrections"].push_back({{"material", scene.materials[correction.material].name},
-                                   {"walks", correction.walks},
-                                   {"change", correction.change},
-                                   {"error_left", correction.error_left}});
-  for (const ProfileUse& use : s.profiles)
-    json["profiles"].push_back(
-        {{"material", scene.materials[use.material].name}, {"profile", name_of(use.source)}});
-  if (options.has_light_layers)
-    for (const LightGroup& group : light_groups(scene)) json["light_layers"].push_back(group.name);
-  json["width"] = scene.film.width;
-  json["height"] = scene.film.height;
-  if (const auto& region = scene.film.region)
-    json["region"] = JsonOutput::array({region->x, region->y, region->width, region->height});
-  json["is_complete"] = s.is_complete;
-  for (const SkinTotals& totals : skin_totals(scene))
-    json["skin"].push_back({{"material", scene.materials[totals.material].name},
-                            {"constants", name_of(totals.constants)},
-                            {"totals", totals.by_transfer ? "radiative_transfer" : "diffusion"}});
-  for (const BandChange& change : scene.band_changes) {
-    auto& entry = json["band_changes"].emplace_back();
-    entry["material"] = scene.materials[change.material].name;
-    if (!change.covering.empty()) entry["over"] = change.covering;
-    entry["from"] =
-        change.from.is_rgb() ? JsonOutput("rgb") : JsonOutput(change.from.wavelengths());
-    entry["color_error"] = change.color_error;
-  }
-  json["warnings"] = scene.warnings;
-  for (const std::string& warning : s.warnings) json["warnings"].push_back(warning);
-  write_json(json, options.common);
-  print(
-      options.common,
-      fmt::format("{}{}\n{}{}{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {}{:.0f} MiB\n",
-                  s.is_complete ? "" : "stopped early: ", written, skins, sampled, s.wall_seconds,
-                  s.cpu_seconds, s.samples_per_pixel, noise, s.peak_memory_mib));
+  write_json(picture_json(options, scene, s), options.common);
+  print(options.common,
+        fmt::format("{}{}\n{}{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {}{:.0f} MiB\n",
+                    s.is_complete ? "" : "stopped early: ", written, describe_materials(scene, s),
+                    s.wall_seconds, s.cpu_seconds, s.samples_per_pixel,
+                    describe_noise(s.relative_noise, s.relative_noise_rms), s.peak_memory_mib));
   if (options.keeps && !s.unkept.empty())
     throw WriteError(s.unkept + ": the picture is whole, but its samples are not kept");
 }

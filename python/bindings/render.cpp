@@ -32,14 +32,16 @@ namespace {
 /// What a caller asks for in place of the scene; another method leaves out what it does not honour.
 void apply(const py::dict& changes, Scene& scene) {
   const auto given = [&](const char* name) { return changes.contains(name); };
+  if (given("quality"))
+    set_quality(choice<RenderSettings::Quality>(changes["quality"].cast<std::string>()), scene);
   if (given("samples")) scene.render.samples_per_pixel = changes["samples"].cast<int>();
   if (given("noise")) scene.render.noise = changes["noise"].cast<float>();
   if (given("clamp")) scene.render.clamp = changes["clamp"].cast<float>();
   if (given("bounces")) scene.render.max_bounces = changes["bounces"].cast<int>();
-  if (given("method")) {
+  if (given("method"))
     scene.render.method = method_named("method", changes["method"].cast<std::string>());
+  if (given("method") || given("quality"))
     for (std::string& line : leave_out_unhonoured(scene)) scene.warnings.push_back(std::move(line));
-  }
   if (given("single_scattering")) {
     scene.places["render.single_scattering"] = "single_scattering";
     scene.render.single_scattering =

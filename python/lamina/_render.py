@@ -152,6 +152,7 @@ def render(
     noise: float | None = None,
     clamp: float | None = None,
     region: Sequence[int] | None = None,
+    quality: str | None = None,
     method: str | None = None,
     correct: bool | None = None,
     profile: str | None = None,
@@ -183,6 +184,9 @@ def render(
     :param clamp: cuts the light of single samples to so much per channel, against fireflies, in
         [0, 10^6]; 0: not at all. The picture lacks what is cut.
     :param region: x, y, width, height [pixels] of what is rendered alone, as in the whole picture.
+    :param quality: "preview", a first look; "final", with little error and no noise below surfaces;
+        "reference", with no error but noise. Chooses method, correct and samples in place of the scene's;
+        those that are given stand in place of its choice.
     :param method: of light below surfaces: "auto", "probe", "hierarchy", "texture_space", "random_walk" …
     :param correct: corrects the light of hierarchy and texture_space by random walks.
     :param profile: "radiative_transfer", "diffusion" or "dipole".
@@ -227,6 +231,7 @@ def render(
         if not isinstance(region, (list, tuple)) or len(region) != 4:
             raise refuse("region", "be x, y, width, height", region)
         ask("region", [whole(f"region[{i}]", value, 0, 16384) for i, value in enumerate(region)])
+    ask("quality", None if quality is None else one_of("quality", quality, ("preview", "final", "reference")))
     ask("method", None if method is None else one_of("method", method, ("auto", *_lamina.method_names())))
     ask("correct", None if correct is None else flag("correct", correct))
     ask("profile", None if profile is None else one_of(

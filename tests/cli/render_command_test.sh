@@ -86,6 +86,38 @@ expect 2 'must be different files' "$scene" "${endless[@]}" -o same.png --json s
 expect 2 'there is no such file' no_scene.json
 expect 2 'method' "$scene" --method magic
 
+# One question, how good: method, correction and samples follow, and what is named wins.
+tiny=(--width 12 --height 8)
+expect 0 'method probe (quality preview), 8 samples: about' "$scene" "${tiny[@]}" --quality preview -o q.exr --json q.json
+for line in '"quality": "preview"' '"method": "probe"' '"is_corrected": false' '"samples_per_pixel": 8'; do
+  grep -qF -- "$line" q.json || fail "--quality preview: no $line in $(cat q.json)"
+done
+expect 0 'method hierarchy (no noise below surfaces), corrected, 1 samples: about' "$scene" "${tiny[@]}" --quality final --samples 1 -o final.exr
+expect 0 'method hierarchy: about' "$scene" "${tiny[@]}" --method hierarchy --correct --samples 1 -o named.exr
+cmp final.exr named.exr || fail "--quality final is not hierarchy, corrected"
+expect 0 'method random_walk (quality reference), 1 samples' "$scene" "${tiny[@]}" --quality reference --samples 1 -o q.exr
+grep -qF 'render.profile: left out, method "random_walk"' output || fail "a key of the file steers the reference: $(cat output)"
+expect 0 'method probe, 2 samples' "$scene" "${small[@]}" --quality reference --method probe -o q.exr
+expect 0 'method hierarchy (' "$scene" "${tiny[@]}" --quality preview --correct --samples 1 -o q.exr
+cmp q.exr final.exr || fail "--correct does not win over --quality preview"
+expect 2 '--correct: method "random_walk" does not honour it' "$scene" "${small[@]}" --quality reference --correct
+expect 2 '--cache: the method must be hierarchy or texture_space' "$scene" "${small[@]}" --quality reference --cache q.ply
+expect 0 'method hierarchy (its light can be kept), 2 samples' "$scene" "${small[@]}" --quality preview --cache q.ply -o q.exr
+expect 2 'did you mean "preview"?' "$scene" "${small[@]}" --quality previw
+expect 2 'did you mean "final"?' "$scene" "${small[@]}" --set render.quality=fnal
+expect 0 '1024 samples per pixel, method random_walk, quality reference' "$scene" --quality reference --check
+expect 0 '64 samples per pixel, method auto, quality final' "$scenes/sphere_skin.json" --quality final --check
+expect 0 '3 samples per pixel, method probe, quality preview' "$scene" --set render.quality=preview --set render.samples_per_pixel=3 --check
+# Samples are kept for the method that was chosen, whoever chose it; parts are those of the picture.
+rm -f q.exr
+expect 0 'q.exr' "$scene" "${tiny[@]}" --quality preview --samples 2 -o q.exr --keep
+expect 0 'q.exr' "$scene" "${tiny[@]}" --method probe --samples 4 -o q.exr --resume
+expect 0 'whole.exr' "$scene" "${tiny[@]}" --quality preview --samples 4 -o whole.exr
+cmp q.exr whole.exr || fail "a kept picture of --quality preview is not that of probe"
+for i in 0 1; do expect 0 "$i.shard" "$scene" "${tiny[@]}" --quality preview --samples 4 --shard "$i/2" -o "$i.shard"; done
+"$lamina" merge 0.shard 1.shard -o merged.exr >output 2>&1 || fail "parts of --quality preview: $(cat output)"
+cmp merged.exr whole.exr || fail "the parts of --quality preview make another picture"
+
 # What hierarchy samples is kept for other cameras, and made anew for other light or after damage.
 sphere=(--method hierarchy "${small[@]}" --cache cloud.ply)
 expect 2 '--cache: the method must be hierarchy' "$scene" "${small[@]}" --method probe --cache cloud.ply

@@ -46,6 +46,17 @@ def test_the_picture_is_that_of_the_command(tmp_path: Path) -> None:
             assert (half == printed[..., i].astype(np.float16)).all(), name
 
 
+def test_quality_chooses_and_yields() -> None:
+    preview = lamina.render(BALL, quality="preview")
+    assert (preview.method, preview.samples_per_pixel, preview.corrections) == ("probe", 8.0, [])
+    assert (preview.image == lamina.render(BALL, method="probe", samples=8).image).all()
+    final = lamina.render(BALL, quality="final", samples=1)
+    assert final.method == "hierarchy" and len(final.corrections) == 1
+    assert lamina.render(BALL, quality="final", samples=1, correct=False).corrections == []
+    in_scene = lamina.render({**BALL, "render": {"quality": "reference", "samples_per_pixel": 2}})
+    assert (in_scene.method, in_scene.samples_per_pixel) == ("random_walk", 2.0)
+
+
 def test_a_dict_is_a_scene() -> None:
     picture = lamina.render(BALL, samples=4, seed=2)
     assert picture.image.shape == (16, 24, 3) and picture.is_complete
@@ -162,6 +173,7 @@ WRONG: list[tuple[dict[str, Any], dict[str, Any], str]] = [
     (BALL, {"samples": 0}, "samples: must be a whole number in [1, 2^24], but is 0"),
     (BALL, {"width": 1.5}, "width: must be a whole number"),
     (BALL, {"method": "prob"}, 'did you mean "probe"'),
+    (BALL, {"quality": "fnal"}, 'quality: must be one of preview, final, reference, but is "fnal", did you mean "final"?'),
     (BALL, {"changes": {"film.widht": 3}}, "widht"),
     (BALL, {"changes": [1]}, "changes: must be a dict"),
     (BALL, {"correct": 1}, "correct: must be True or False"),

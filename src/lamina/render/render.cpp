@@ -124,7 +124,7 @@ void report_profiles(const Scene& scene, const RenderSettings& settings,
 }
 
 /// "method probe, as hierarchy would take 5 times its work: about 12 CPU-s".
-std::string describe(const RenderStatistics& statistics, bool may_end_early) {
+std::string describe(const RenderStatistics& statistics, const RenderSettings& settings) {
   const double expected = statistics.expected_cpu_seconds;
   const std::string seconds = printf_text("%.*f",
                                           expected < 0.95  ? 2
@@ -134,7 +134,9 @@ std::string describe(const RenderStatistics& statistics, bool may_end_early) {
   const int threads = thread_count();
   return "method " + std::string(statistics.method.name()) +
          (statistics.why_method.empty() ? "" : " (" + statistics.why_method + ")") +
-         (may_end_early ? ": at most about " : ": about ") + seconds + " CPU-s" +
+         (settings.quality && settings.is_corrected ? ", corrected" : "") +
+         (settings.quality ? ", " + std::to_string(settings.samples_per_pixel) + " samples" : "") +
+         (settings.noise > 0.0f ? ": at most about " : ": about ") + seconds + " CPU-s" +
          (threads > 1 ? printf_text(", %.*f s on %d threads", expected < 9.5 ? 1 : 0,
                                     expected / threads, threads)
                       : "") +
@@ -249,66 +251,63 @@ void save_part(const Scene& scene, const RenderSettings& settings, const RenderO
                   film);
 }
 
-/// @param cpu_before  time before all that was done for the picture [CPU s]
-/// @param mattes      null: none are wanted
-/// @param key         becomes that of the picture
-/// @return            whether it was completed
-template <int N>
-bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOptions& options,
-                  const Progress& progress, double cpu_before, FilmAccumulator& film,
-                  MatteFilm* mattes, RenderStatistics& statistics, std::uint64_t& key) {
-  const int width = scene.scene->film.width, height = scene.scene->film.height;
-  const BandConversion<N> conversion =
-      make_band_conversion<N>(bands, weights_of_bands(*scene.scene, bands));
-  const ThinSheets<N> sheets = make_thin_sheets<N>(*scene.scene);
-  const Coverings<N> coverings = make_coverings<N>(scene);
-  const CameraRays camera(scene.scene->camera, width, height);
-  const SeenSurface seen = find_seen_surface<N>(scene, conversion, sheets, coverings, camera);
-  const RenderSettings& settings = scene.settings;
-  const SubsurfaceMethods<N> methods =
-      make_subsurface_methods<N>(scene, conversion, options, progress);
-  const LayeredMaterials<N> layered = make_layered_materials<N>(scene, conversion);
-  const PathTracer<N> tracer({scene,
-                              conversion,
-                              methods,
-                              layered,
-                              sheets,
-                              coverings,
-                              {.max_bounces = settings.max_bounces,
-                               .direct_light = options.direct_light}});
-  LightCache cache(scene, options);
-  PreparationReport report;
-  const Preparation<N> preparation{scene, tracer, camera, seen, cache, progress, report};
-  statistics.expected_cpu_seconds =
-      cpu_seconds() - cpu_before +
-      expected_cpu_seconds<N>(methods, preparation, tracer, share_of_pixels(scene.scene->film));
-  statistics.expected_memory_mib = memory_mib() + picture_mib(film, options);
-  if (options.on_notice) options.on_notice(describe(statistics, settings.noise > 0.0f));
-  const bool is_prepared = prepare(methods, preparation);
-  statistics.light_samples = report.light_samples;
-  statistics.corrections = report.corrections;
-  statistics.warnings.insert(statistics.warnings.end(), report.warnings.begin(),
-                             report.warnings.end());
-  report_profiles(*scene.scene, settings, statistics);
-  if (!is_prepared || options.only_prepares) return is_prepared;
+/// A picture at work.
+struct PictureWork {
+  const RenderScene& scene;
+  const RenderOptions& options;
+  const Progress& progress;
+  double cpu_before;  ///< time before all that was done for the picture [CPU s]
+  FilmAccumulator& film;
+  MatteFilm* mattes;  ///< null: none are wanted
+  RenderStatistics& statistics;
+  std::uint64_t key = 0;            ///< of the picture, once it is prepared
+  PreparationReport preparation{};  ///< once it is prepared
+};
 
-  key = picture_key(*scene.scene, settings, options);
+/// Says what the picture will take, and prepares its methods. @return  as prepare()
+template <int N>
+bool prepare_light(const SubsurfaceMethods<N>& methods, const PathTracer<N>& tracer,
+                   const CameraRays& camera, const SeenSurface& seen, PictureWork& work) {
+  const RenderScene& scene = work.scene;
+  RenderStatistics& statistics = work.statistics;
+  LightCache cache(scene, work.options);
+  const Preparation<N> with{scene, tracer, camera, seen, cache, work.progress, work.preparation};
+  statistics.expected_cpu_seconds =
+      cpu_seconds() - work.cpu_before +
+      expected_cpu_seconds<N>(methods, with, tracer, share_of_pixels(scene.scene->film));
+  statistics.expected_memory_mib = memory_mib() + picture_mib(work.film, work.options);
+  if (work.options.on_notice) work.options.on_notice(describe(statistics, scene.settings));
+  const bool is_prepared = prepare(methods, with);
+  statistics.light_samples = work.preparation.light_samples;
+  statistics.corrections = work.preparation.corrections;
+  statistics.warnings.insert(statistics.warnings.end(), work.preparation.warnings.begin(),
+                             work.preparation.warnings.end());
+  report_profiles(*scene.scene, scene.settings, statistics);
+  return is_prepared;
+}
+
+/// Adds the samples of all pixels. @return  whether it was completed
+template <int N>
+bool add_samples(const PathTracer<N>& tracer, const CameraRays& camera, PictureWork& work) {
+  const Scene& scene = *work.scene.scene;
+  const RenderSettings& settings = work.scene.settings;
+  const RenderOptions& options = work.options;
   const IndexRange range = sample_range(settings, options);
-  const PixelRectangle area = rendered_area(scene.scene->film);
+  const PixelRectangle area = rendered_area(scene.film);
   const auto sample = [&](int in_x, int in_y, int in_range) {
     const int x = area.x + in_x, y = area.y + in_y;
     const auto i = static_cast<int>(range.begin) + in_range;
-    PixelSamples random(settings.seed, static_cast<std::uint32_t>(y * width + x),
+    PixelSamples random(settings.seed, static_cast<std::uint32_t>(y * scene.film.width + x),
                         static_cast<std::uint32_t>(i));
     const Ray ray = camera.make_ray(x, y, random);
     CameraSample found = tracer.trace_camera_ray(ray, camera.pixel_angle(), random);
     if (settings.clamp > 0.0f) clamp_sample(settings.clamp, found);
-    if (mattes) mattes->add(in_x, in_y, found);
+    if (work.mattes) work.mattes->add(in_x, in_y, found);
     return found;
   };
   bool is_told = false;
   const auto on_checkpoint = [&](const std::string& why) {
-    statistics.unkept = why;
+    work.statistics.unkept = why;
     if (why.empty() || is_told || !options.on_notice) return;
     is_told = true;
     options.on_notice("warning: " + why + ": the samples so far are not kept, the work goes on");
@@ -318,27 +317,52 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
       {.samples = static_cast<int>(range.size()),
        .noise = settings.noise,
        .checkpoint = options.checkpoint,
-       .key = checkpoint_key(key, settings, options),
-       .light = light_key(report),
+       .key = checkpoint_key(work.key, settings, options),
+       .light = light_key(work.preparation),
        .resumes = options.resumes,
        .keeps = options.keeps_samples,
        .on_image = options.on_image,
        .image_of =
            [&](const FilmAccumulator& so_far) {
-             Image image = so_far.image(scene.scene->film.has_alpha);
-             if (mattes) (void)mattes->add_to(image, *scene.scene);
+             Image image = so_far.image(scene.film.has_alpha);
+             if (work.mattes) (void)work.mattes->add_to(image, scene);
              return image;
            },
        .on_checkpoint = on_checkpoint,
        .between_images = std::chrono::duration<double>(options.seconds_between_images)},
-      progress, film);
+      work.progress, work.film);
 }
 
-}  // namespace
+/// @return  whether it was completed
+template <int N>
+bool trace_passes(const BandSet& bands, PictureWork& work) {
+  const RenderScene& scene = work.scene;
+  const Film& film = scene.scene->film;
+  const BandConversion<N> conversion =
+      make_band_conversion<N>(bands, weights_of_bands(*scene.scene, bands));
+  const ThinSheets<N> sheets = make_thin_sheets<N>(*scene.scene);
+  const Coverings<N> coverings = make_coverings<N>(scene);
+  const CameraRays camera(scene.scene->camera, film.width, film.height);
+  const SeenSurface seen = find_seen_surface<N>(scene, conversion, sheets, coverings, camera);
+  const SubsurfaceMethods<N> methods =
+      make_subsurface_methods<N>(scene, conversion, work.options, work.progress);
+  const LayeredMaterials<N> layered = make_layered_materials<N>(scene, conversion);
+  const PathTracer<N> tracer(
+      {scene,
+       conversion,
+       methods,
+       layered,
+       sheets,
+       coverings,
+       {.max_bounces = scene.settings.max_bounces, .direct_light = work.options.direct_light}});
+  const bool is_prepared = prepare_light(methods, tracer, camera, seen, work);
+  if (!is_prepared || work.options.only_prepares) return is_prepared;
+  work.key = picture_key(*scene.scene, scene.settings, work.options);
+  return add_samples(tracer, camera, work);
+}
 
-RenderResult render(const Scene& scene, const RenderOptions& options, const Progress& progress) {
-  const auto start = std::chrono::steady_clock::now();
-  const double cpu_before = cpu_seconds();
+/// @throws InvalidInput if the size or a setting is out of its range, or they do not go together
+void check_request(const Scene& scene, const RenderOptions& options) {
   const auto require = [](bool holds, const std::string& rule, double value) {
     if (!holds) throw InvalidInput(rule + ", but is " + number_text(value));
   };
@@ -365,18 +389,24 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
   if (options.has_mattes && options.resumes)
     throw InvalidInput("render: mattes are of all samples, so they do not go with going on");
   require_honoured(scene);
+}
+
+}  // namespace
+
+RenderResult render(const Scene& scene, const RenderOptions& options, const Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  const double cpu_before = cpu_seconds();
+  check_request(scene, options);
   RenderResult result;
   auto& statistics = result.statistics;
-  RenderSettings settings = scene.render;
-  if (settings.method.is_open()) {
-    const auto [method, why] = choose_method(scene, options);
-    settings.method = method;
-    statistics.why_method = why;
-  }
+  const auto [settings, why_method] = choose_settings(scene, options);
   statistics.method = settings.method;
+  statistics.why_method = why_method;
+  statistics.is_corrected = settings.is_corrected;
   statistics.warnings = warnings_of_small_bodies(scene, settings);
   const BandSet bands = common_bands(scene);
   const RenderScene prepared(scene, settings);
+  const PixelRectangle area = rendered_area(scene.film);
   FilmAccumulator film(area.width, area.height);
   std::optional<MatteFilm> mattes;
   if (options.has_mattes) mattes.emplace(area.width, area.height);
@@ -386,18 +416,17 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
     statistics.wall_seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
-  std::uint64_t key = 0;
-  statistics.is_complete =
-      (bands.size() <= 4   ? trace_passes<4>
-       : bands.size() <= 8 ? trace_passes<8>
-                           : trace_passes<16>)(prepared, bands, options, progress, cpu_before, film,
-                                               mattes ? &*mattes : nullptr, statistics, key);
+  PictureWork work{prepared,  options, progress, cpu_before, film, mattes ? &*mattes : nullptr,
+                   statistics};
+  statistics.is_complete = (bands.size() <= 4   ? trace_passes<4>
+                            : bands.size() <= 8 ? trace_passes<8>
+                                                : trace_passes<16>)(bands, work);
   measure();
   if (options.only_prepares) return result;
   if (film.least_samples() == 0) throw Interrupted();  // no picture yet
   statistics.samples_per_pixel = film.mean_samples();
   if (options.part) {
-    if (statistics.is_complete) save_part(scene, settings, options, key, statistics, film);
+    if (statistics.is_complete) save_part(scene, settings, options, work.key, statistics, film);
     return result;
   }
   result.image = film.image(scene.film.has_alpha);

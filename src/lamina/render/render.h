@@ -25,6 +25,7 @@ struct ProfileUse {
 struct RenderStatistics {
   SceneMethod method;                 ///< that was used
   std::string why_method;             ///< a phrase, if the scene left it open; else empty
+  bool is_corrected = false;          ///< by random walks, as the scene or its quality asked
   double expected_cpu_seconds = 0.0;  ///< as it seemed before the work
   double expected_memory_mib = 0.0;   ///< of the process, without what methods prepare
   double wall_seconds = 0.0;

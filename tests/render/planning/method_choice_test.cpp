@@ -1,5 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 // Which method a scene gets that leaves it open, and what it is said to cost.
+#include "lamina/render/planning/method_choice.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -106,6 +108,95 @@ TEST(MethodChoice, CorrectedLightIsThatOfAMethodThatIsCorrected) {
   const RenderStatistics statistics = chosen_for(scene);
   EXPECT_EQ(statistics.method, Method::hierarchy);
   EXPECT_EQ(statistics.corrections.size(), 1u);
+}
+
+TEST(Quality, ChoosesMethodCorrectionAndSamples) {
+  using Quality = RenderSettings::Quality;
+  const auto chosen = [](Quality quality, auto&& change) {
+    Scene scene = lit_ball();
+    set_quality(quality, scene);
+    change(scene);
+    return choose_settings(scene, {}).settings;
+  };
+  const auto nothing = [](Scene&) {};
+  const RenderSettings preview = chosen(Quality::preview, nothing);
+  const RenderSettings final = chosen(Quality::final, nothing);
+  const RenderSettings reference = chosen(Quality::reference, nothing);
+  EXPECT_EQ(preview.method, Method::probe);
+  EXPECT_FALSE(preview.is_corrected);
+  EXPECT_EQ(final.method, Method::hierarchy);
+  EXPECT_TRUE(final.is_corrected);
+  EXPECT_EQ(reference.method, Method::random_walk);
+  EXPECT_FALSE(reference.is_corrected);
+  EXPECT_LT(4 * preview.samples_per_pixel, final.samples_per_pixel);
+  EXPECT_LT(4 * final.samples_per_pixel, reference.samples_per_pixel);
+
+  // A final picture is that of the method and the correction by name, bit by bit.
+  Scene scene = lit_ball();
+  scene.film = {.width = 6, .height = 4};
+  Scene named = scene;
+  set_quality(Quality::final, scene);
+  named.render.method = Method::hierarchy;
+  named.render.is_corrected = true;
+  named.render.samples_per_pixel = scene.render.samples_per_pixel;
+  const RenderResult result = render(scene);
+  EXPECT_EQ(result.image.pixels, render(named).image.pixels);
+  EXPECT_TRUE(result.statistics.is_corrected);
+
+  // Bodies that no flat profile fits are corrected, but for a first look.
+  const auto smaller = [](Scene& s) {
+    surface_of(s).material = half_space({0.1, 0.1, 0.1}, 1.0, 1.3);
+  };
+  EXPECT_EQ(chosen(Quality::final, smaller).method, Method::hierarchy);
+  EXPECT_TRUE(chosen(Quality::final, smaller).is_corrected);
+  EXPECT_EQ(chosen(Quality::preview, smaller).method, Method::probe);
+
+  // Maps of constituents are of texture_space alone among methods without noise.
+  const auto mapped = [](Scene& s) {
+    surface_of(s).material = skin_by_bands();
+    surface_of(s).material_maps = {
+        {{.of = MappableNumber::Of::skin, .part = 0, .name = "skin.melanin"},
+         make_image(2, 2, {"R"})}};
+  };
+  EXPECT_EQ(chosen(Quality::preview, mapped).method, Method::texture_space);
+  EXPECT_EQ(chosen(Quality::final, mapped).method, Method::texture_space);
+}
+
+TEST(Quality, YieldsToWhatIsNamed) {
+  using Quality = RenderSettings::Quality;
+  const auto chosen = [](Quality quality, auto&& change) {
+    Scene scene = lit_ball();
+    set_quality(quality, scene);
+    change(scene);
+    return choose_settings(scene, {}).settings;
+  };
+  const auto probe = [](Scene& s) { s.render.method = Method::probe; };
+  EXPECT_EQ(chosen(Quality::final, probe).method, Method::probe);
+  EXPECT_FALSE(chosen(Quality::final, probe).is_corrected);
+  EXPECT_EQ(chosen(Quality::reference, probe).method, Method::probe);
+  const auto corrected = [](Scene& s) {
+    s.places["render.correct"] = "--correct";
+    s.render.is_corrected = true;
+  };
+  EXPECT_EQ(chosen(Quality::preview, corrected).method, Method::hierarchy);
+  EXPECT_TRUE(chosen(Quality::preview, corrected).is_corrected);
+  const auto planar = [](Scene& s) { s.places["render.correct"] = "scene.json:9"; };
+  EXPECT_FALSE(chosen(Quality::final, planar).is_corrected);
+  // Open surfaces and light scattered once cannot be corrected.
+  EXPECT_FALSE(
+      chosen(Quality::final, [](Scene& s) { s.meshes[0].is_closed = false; }).is_corrected);
+  EXPECT_FALSE(chosen(Quality::final, [](Scene& s) {
+                 s.render.single_scattering = RenderSettings::SingleScattering::straight;
+               }).is_corrected);
+  // Random walks are the reference even where "auto" is named, and refuse what they do not honour.
+  const auto automatic = [](Scene& s) { s.render.method = Method::automatic; };
+  EXPECT_EQ(chosen(Quality::reference, automatic).method, Method::random_walk);
+  EXPECT_THROW((void)chosen(Quality::reference,
+                            [](Scene& s) {
+                              s.render.method = Method::automatic;
+                              s.render.exit_angle = RenderSettings::ExitAngle::printed;
+                            }),
+               InvalidInput);
 }
 
 // A ball of 15 mm that is nearly clear, in even light of radiance 1: .944 of it comes back, by

@@ -305,8 +305,8 @@ TEST(MethodSettings, EveryKeyOfTheSchemaIsCrossedWithEveryMethod) {
     EXPECT_TRUE(sampled.contains(key)) << key;
   for (const MaterialSetting& setting : material_settings)
     EXPECT_TRUE(sampled.contains(std::string(setting.key))) << setting.key;
-  std::set<std::string> of_render = {"method",
-                                     "clamp"};  // clamp is of the film, whatever the method
+  // The quality chooses others of them, clamp is of the film.
+  std::set<std::string> of_render = {"method", "quality", "clamp"};
   for (const Method method : subsurface_methods())
     if (!method->numbers.empty()) of_render.insert(std::string(method.name()));
   for (const Sample& sample : render_samples()) of_render.insert(sample.key);

@@ -99,7 +99,7 @@ TEST_F(SceneMeshes, TilesAreLookedUpByTheTriangleAndNothingBleeds) {
         EXPECT_EQ(textures.color(color, point), (is_left ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0})) << t;
       }
   EXPECT_EQ(textures.mean_color(std::get<ImageMap>(color.map->source)), (Vec3f{0.5f, 0.5f, 0}));
-  const auto [low, high] = range_of(scene.images, color);
+  const auto [low, high] = range_of(TextureStore(scene.images), color);
   EXPECT_EQ(low, (Vec3f{0, 0, 0}));
   EXPECT_EQ(high, (Vec3f{1, 1, 0}));
 }
@@ -214,7 +214,7 @@ TEST_F(SceneMeshes, ColorsOfVerticesAreAFactorOfTheBaseColorOfGltf) {
   const Vec3f base{0.8f, 0.4f, 0.2f};
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(color[c], base[c] * point.color[c], 1e-6f);
   EXPECT_NEAR(point.color.x + point.color.y + point.color.z, 1.0f, 1e-6f);
-  const auto [low, high] = range_of(scene.images, diffuse_of(scene, 1).color);
+  const auto [low, high] = range_of(TextureStore(scene.images), diffuse_of(scene, 1).color);
   EXPECT_EQ(high, base);
   EXPECT_EQ(low, (Vec3f{0, 0, 0}));
 }
@@ -230,7 +230,7 @@ TEST_F(SceneMeshes, ColorsOfVerticesAreAFactorOfAnImageToo) {
   const Vec3f color = textures.color(diffuse_of(scene, 0).color, point);  // the image is green
   EXPECT_EQ(color.x, 0.0f);
   EXPECT_NEAR(color.y, 0.5f * point.color.y, 1e-6f);
-  const auto [low, high] = range_of(scene.images, diffuse_of(scene, 0).color);
+  const auto [low, high] = range_of(TextureStore(scene.images), diffuse_of(scene, 0).color);
   EXPECT_EQ(high.x, 0.0f);
   EXPECT_NEAR(high.y, 0.5f, 1e-6f);
 }

@@ -304,9 +304,10 @@ std::uint64_t picture_key(const Scene& scene, const RenderSettings& settings,
   const PixelRectangle area = rendered_area(scene.film);
   for (const int number : {area.x, area.y, area.width, area.height}) hash.add(number);
   add_shared(hash, settings, options);
-  const auto& [method, orders, factors, single_scattering, profile, exit_angle, is_corrected,
-               samples_per_pixel, noise, clamp, max_bounces, seed, hierarchy, texture_space,
-               shadow_map] = settings;
+  const auto& [method, quality, orders, factors, single_scattering, profile, exit_angle,
+               is_corrected, samples_per_pixel, noise, clamp, max_bounces, seed, hierarchy,
+               texture_space, shadow_map] = settings;
+  (void)quality;                                               // chose some of the others
   (void)method, (void)profile, (void)max_bounces, (void)seed;  // shared
   (void)hierarchy, (void)texture_space, (void)shadow_map;      // numbers of methods
   hash.add(orders);

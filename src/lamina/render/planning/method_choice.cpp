@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
@@ -24,8 +25,13 @@ using Method = SceneMethod;
 /// tenth, which is said. Witness: docs/measurements/subsurface.md, small bodies.
 constexpr double least_flat_size = 10.0, least_right_size = 30.0;
 
+using Quality = RenderSettings::Quality;
+
 /// The best first, as far as they honour what is asked for.
-std::array<Method, 6> preferred_methods() {
+std::array<Method, 6> preferred_methods(const RenderSettings& settings) {
+  if (settings.quality == Quality::preview)
+    return {Method::probe,        Method::hierarchy,   Method::texture_space,
+            Method::layered_bsdf, Method::random_walk, Method::shadow_map};
   return {Method::hierarchy,   Method::texture_space, Method::layered_bsdf,
           Method::random_walk, Method::probe,         Method::shadow_map};
 }
@@ -65,12 +71,42 @@ std::string describe(const OpticalSize& size) {
                      size.in_mean_free_paths());
 }
 
+/// Whether a method's light can be corrected in a scene that says nothing of it.
+bool can_be_corrected(const Scene& scene, SceneMethod method) {
+  const std::vector<std::uint32_t> translucent = translucent_materials_in_use(scene);
+  return method->honours_key("correct") && !translucent.empty() &&
+         scene.render.single_scattering == RenderSettings().single_scattering &&
+         std::ranges::all_of(translucent, [&](std::uint32_t m) {
+           return takes_walks(scene, m) && coverings_of(scene.materials[m]).empty();
+         });
+}
+
 }  // namespace
 
+ChosenSettings choose_settings(const Scene& scene, const RenderOptions& options) {
+  ChosenSettings chosen{.settings = scene.render, .why_method = {}};
+  RenderSettings& settings = chosen.settings;
+  if (settings.method.is_open()) {
+    auto [method, why] = choose_method(scene, options);
+    settings.method = method;
+    chosen.why_method = std::move(why);
+  } else if (settings.quality == Quality::reference && settings.method == Method::random_walk) {
+    chosen.why_method = "quality reference";
+  }
+  if (settings.quality == Quality::final && !scene.places.contains("render.correct"))
+    settings.is_corrected = settings.is_corrected || can_be_corrected(scene, settings.method);
+  return chosen;
+}
+
 MethodChoice choose_method(const Scene& scene, const RenderOptions& options) {
+  if (scene.render.quality == Quality::reference) {
+    if (const auto why = refusal(scene, Method::random_walk)) throw InvalidInput(*why);
+    return {Method::random_walk, "quality reference"};
+  }
+  const bool is_preview = scene.render.quality == Quality::preview;
   const std::vector<AskedSetting> asked = asked_settings(scene);
   std::vector<Method> able;
-  for (const Method method : preferred_methods())
+  for (const Method method : preferred_methods(scene.render))
     if ((options.cache.empty() || method->keeps_light) &&
         std::ranges::all_of(asked,
                             [&](const AskedSetting& one) { return method->honours_key(one.key); }))
@@ -83,16 +119,19 @@ MethodChoice choose_method(const Scene& scene, const RenderOptions& options) {
   // What the best of all does not honour, if anything, is why it is another.
   const auto choice = [&](Method method, const std::string& otherwise) {
     for (const AskedSetting& one : asked)
-      if (!preferred_methods().front()->honours_key(one.key))
+      if (!preferred_methods(scene.render).front()->honours_key(one.key))
         return MethodChoice{method, "it honours " + one.path};
     return MethodChoice{method, otherwise};
   };
   for (const Method method : subsurface_methods())
-    if (is_able(method) && has_numbers_of(scene.render, method))
+    if (!is_preview && is_able(method) && has_numbers_of(scene.render, method))
       return choice(method, "the scene has settings of it");
 
   const std::vector<std::uint32_t> translucent = translucent_materials_in_use(scene);
-  if (is_able(Method::random_walk) &&
+  const bool is_corrected = scene.render.quality == Quality::final &&
+                            !scene.places.contains("render.correct") &&
+                            can_be_corrected(scene, able.front());
+  if (!is_preview && !is_corrected && is_able(Method::random_walk) &&
       std::ranges::all_of(translucent, [&](std::uint32_t m) { return takes_walks(scene, m); }))
     for (const std::uint32_t m : translucent)
       if (const auto size = small_bodies(scene, m, least_flat_size))
@@ -106,7 +145,9 @@ MethodChoice choose_method(const Scene& scene, const RenderOptions& options) {
     }
   const Method best = able.front();
   if (translucent.empty()) return {best, "nothing is translucent"};
-  return choice(best, options.cache.empty() ? "no noise below surfaces" : "its light can be kept");
+  return choice(best, !options.cache.empty() ? "its light can be kept"
+                      : is_preview           ? "quality preview"
+                                             : "no noise below surfaces");
 }
 
 std::vector<std::string> warnings_of_small_bodies(const Scene& scene,

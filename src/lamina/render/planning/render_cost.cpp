@@ -45,7 +45,8 @@ double expected_cpu_seconds(const SubsurfaceMethods<N>& methods, const Preparati
                             const PathTracer<N>& tracer, double share) {
   const Scene& scene = *with.scene.scene;
   const double samples = share * static_cast<double>(scene.film.width) *
-                         static_cast<double>(scene.film.height) * with.scene.settings.samples_per_pixel;
+                         static_cast<double>(scene.film.height) *
+                         with.scene.settings.samples_per_pixel;
   const double above = samples * with.seen.seconds_per_ray;
   const SubsurfaceCost cost = total_cost(methods, with);
   if (cost.lookup) {

@@ -47,7 +47,7 @@ struct RenderScene {
   std::vector<Boundaries> boundaries;  ///< [material]
   /// [material] of method layered_bsdf: maps of layers, and of the material's numbers as such
   std::vector<std::vector<LayerMap>> layer_maps;
-  bool has_clear_surfaces = false;     ///< which shadow rays pass: dielectric, thin or cut out
+  bool has_clear_surfaces = false;  ///< which shadow rays pass: dielectric, thin or cut out
 };
 
 /// The boundary over the base at a point, on the side of it that the point is on.

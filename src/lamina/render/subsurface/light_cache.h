@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "lamina/render/subsurface/irradiance_cloud.h"
 #include "lamina/render/film/render_options.h"
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/render/shading/render_scene.h"
+#include "lamina/render/subsurface/irradiance_cloud.h"
 
 namespace lamina {
 

@@ -332,7 +332,11 @@ struct LayeredFactors {
 
 struct RenderSettings {
   using Method = SceneMethod;
-  Method method;  ///< left open: by what the scene needs and what it costs
+  Method method;  ///< left open: by the quality and what the scene needs
+  /// How good the picture is to be: chooses the method that is left open, and whether its light is
+  /// corrected where Scene::places has no "render.correct". See set_quality.
+  enum class Quality { preview, final, reference };
+  std::optional<Quality> quality;
   LayeredOrders orders = LayeredOrders::all;
   LayeredFactors factors;
   /// Light scattered once, added to what diffusion finds: not at all, by a straight way to the
@@ -369,6 +373,13 @@ inline constexpr auto enum_names<LayeredOrders> =
     std::to_array<EnumName<LayeredOrders>>({{"first", LayeredOrders::first},
                                             {"all", LayeredOrders::all},
                                             {"random_walk", LayeredOrders::random_walk}});
+
+template <>
+inline constexpr auto enum_names<RenderSettings::Quality> =
+    std::to_array<EnumName<RenderSettings::Quality>>({{"preview", RenderSettings::Quality::preview},
+                                                      {"final", RenderSettings::Quality::final},
+                                                      {"reference",
+                                                       RenderSettings::Quality::reference}});
 
 template <>
 inline constexpr auto enum_names<RenderSettings::SingleScattering> =
@@ -427,6 +438,10 @@ struct Scene {
   /// messages name it.
   std::map<std::string, std::string> places;
 };
+
+/// Sets the samples per pixel of a quality, and leaves method and correction to it; random walks
+/// are the method of the reference.
+void set_quality(RenderSettings::Quality quality, Scene& scene);
 
 /// Gives the picture an alpha channel: the sky lights things, but is not seen behind them.
 void make_background_transparent(Scene& scene);

@@ -31,6 +31,7 @@ struct SubsurfaceMethodInfo {
   bool solves_transfer = false;  ///< all its light is that of radiative transfer
   bool is_bsdf = false;          ///< light leaves where it entered
   bool keeps_light = false;      ///< for other cameras, in RenderOptions::cache
+  bool is_of_papers = false;     ///< kept to compare with, others do better: out of the daily help
   /// Keys that this method honours, of those that not all methods do (method_settings.h).
   std::array<std::string_view, 13> honours = {};
   std::span<const MethodNumber> numbers = {};

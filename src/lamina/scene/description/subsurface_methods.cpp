@@ -94,12 +94,13 @@ constexpr auto built_in_methods = std::to_array<SubsurfaceMethodInfo>(
                   "correct", "over"},
       .numbers = hierarchy_numbers},
      {.name = "shadow_map",
-      .how = "draws the point of entry in what lights see of the surface, a fast preview",
+      .how = "draws the point of entry in what lights see of the surface, as [Hery2003] does",
       .noise = "falls with samples",
       .error = "the flat profile; no light from other surfaces; soft lights and skies in steps",
       .needs = "a profile",
       .page = "subsurface_shadow_map.md",
       .uses_profile = true,
+      .is_of_papers = true,
       .honours = {"color", "color_use", "thickness", "subsurface.skin.dermis_thickness",
                   "subsurface.ground", "subsurface.layers", "profile", "exit_angle",
                   "single_scattering", "single_scattering_weight", "single_scattering_blur"},
@@ -176,8 +177,9 @@ bool has_numbers_of(const RenderSettings& settings, SceneMethod method) {
 std::string describe_methods() {
   std::string text;
   for (const SceneMethod method : subsurface_methods())
-    text +=
-        (text.empty() ? "" : "; ") + std::string(method.name()) + ' ' + std::string(method->how);
+    if (!method->is_of_papers)
+      text +=
+          (text.empty() ? "" : "; ") + std::string(method.name()) + ' ' + std::string(method->how);
   return text;
 }
 

@@ -29,7 +29,7 @@ namespace lamina {
 /// Whether any of a method's numbers is not the default.
 [[nodiscard]] bool has_numbers_of(const RenderSettings& settings, SceneMethod method);
 
-/// Describes the methods for the help of a command: "NAME HOW; NAME HOW".
+/// Describes the methods but those of papers for the help of a command: "NAME HOW; NAME HOW".
 [[nodiscard]] std::string describe_methods();
 
 /// Table of the methods in Markdown, as docs/subsurface.md has it.

@@ -17,8 +17,8 @@ namespace lamina {
 /// @param candidates  that next-event estimation had there, as mis_weight_of_light_sample
 ///
 /// Source: multiple importance sampling, the power heuristic of [VeachGuibas1995].
-[[nodiscard]] inline float mis_weight_of_surface_sample(RenderOptions::DirectLight way, float pdf, float pdf_light,
-                                                        float candidates) {
+[[nodiscard]] inline float mis_weight_of_surface_sample(RenderOptions::DirectLight way, float pdf,
+                                                        float pdf_light, float candidates) {
   if (pdf == 0.0f || pdf_light == 0.0f) return 1.0f;  // next-event estimation cannot find it
   if (way == RenderOptions::DirectLight::surfaces_only) return 1.0f;
   if (way == RenderOptions::DirectLight::lights_only) return 0.0f;
@@ -27,8 +27,8 @@ namespace lamina {
 }
 
 /// MIS weight of a light sample whose direction the surface samples with density pdf [1/sr].
-[[nodiscard]] inline float mis_weight_of_light_sample(RenderOptions::DirectLight way, const LightSample& light,
-                                                      float pdf,
+[[nodiscard]] inline float mis_weight_of_light_sample(RenderOptions::DirectLight way,
+                                                      const LightSample& light, float pdf,
                                                       float candidates = light_candidates) {
   if (light.is_delta || way == RenderOptions::DirectLight::lights_only) return 1.0f;
   if (way == RenderOptions::DirectLight::surfaces_only) return 0.0f;

@@ -30,8 +30,7 @@ template <int N>
 std::vector<typename InnerBlockers<N>::Patch> HierarchyTransport<N>::patches_inside(
     const std::vector<Mesh>& mesh, std::uint32_t material, float spacing) const {
   const auto& color = std::get<DiffuseSurface>(scene_.scene->materials[material].surface).color;
-  const SurfaceCells surface =
-      make_surface_cells(mesh, material, spacing, scene_.settings.seed);
+  const SurfaceCells surface = make_surface_cells(mesh, material, spacing, scene_.settings.seed);
   std::vector<typename InnerBlockers<N>::Patch> found(surface.cells.size());
   parallel_for(surface.cells.size(), [&](std::size_t i) {
     const SurfaceCell& cell = surface.cells[i];

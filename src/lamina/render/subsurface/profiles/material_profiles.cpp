@@ -96,8 +96,7 @@ MaterialProfiles<N>::MaterialProfiles(const RenderScene& scene, const BandConver
     mean_color_ = mean_of_map(scene.textures, surface_.color);
   if (scene.settings.single_scattering != RenderSettings::SingleScattering::none)
     once_ = OnceInEvenLight<N>(layers).largest_share();
-  if (series_)
-    brightest_index_ = albedo_index(range_of(scene.textures, surface_.color).second);
+  if (series_) brightest_index_ = albedo_index(range_of(scene.textures, surface_.color).second);
 }
 
 /// As far as the colors of the map go.

@@ -209,8 +209,8 @@ void TextureSpaceTransport<N>::scatter(IrradianceCloud& cloud) {
       for (std::size_t b = 0; b < cloud.bands; ++b)
         entering[i][static_cast<int>(b)] = cloud.irradiance[(side * texels + i) * cloud.bands + b];
     clamp_fireflies(graph_.levels.front(), entering);
-    auto [reflected, transmitted] = transport(
-        layers_from(side), entering, scene_.settings.texture_space.interlayer_bounces);
+    auto [reflected, transmitted] =
+        transport(layers_from(side), entering, scene_.settings.texture_space.interlayer_bounces);
     for (std::size_t i = 0; i < texels; ++i) leaving[side][i] += reflected[i];
     if (!transmitted.empty()) add_transmitted(side, std::move(transmitted), leaving);
   }

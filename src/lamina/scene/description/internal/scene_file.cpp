@@ -233,18 +233,33 @@ void decode_numbers(const JsonInput& value, SceneMethod method, RenderSettings& 
                      : given->number(closed_interval(number.low, number.high, number.unit)));
 }
 
-RenderSettings decode_render_settings(const JsonInput& value) {
+/// Decodes the settings of the scene, first the quality, in whose place the others stand.
+void decode_render_settings(const JsonInput& value, Scene& scene) {
   const std::vector<SceneMethod> methods = subsurface_methods();
-  std::vector<std::string_view> keys = {
-      "method", "profile", "orders",      "factors", "single_scattering", "samples_per_pixel",
-      "noise",  "clamp",   "max_bounces", "seed",    "exit_angle",        "correct"};
+  std::vector<std::string_view> keys = {"quality",
+                                        "method",
+                                        "profile",
+                                        "orders",
+                                        "factors",
+                                        "single_scattering",
+                                        "samples_per_pixel",
+                                        "noise",
+                                        "clamp",
+                                        "max_bounces",
+                                        "seed",
+                                        "exit_angle",
+                                        "correct"};
   for (const SceneMethod method : methods)
     if (!method->numbers.empty()) keys.push_back(method.name());
   const JsonObject object = value.object(keys);
-  RenderSettings settings;
+  RenderSettings& settings = scene.render;
+  if (const auto quality = object.optional("quality"))
+    set_quality(quality->choice<RenderSettings::Quality>(), scene);
   if (const auto method = object.optional("method")) {
     const std::vector<std::string_view> names = method_names();
-    settings.method = *find_method(names[method->choice(names)]);
+    if (const SceneMethod named = *find_method(names[method->choice(names)]);
+        !named.is_open())  // else the quality chooses
+      settings.method = named;
   }
   if (const auto orders = object.optional("orders"))
     settings.orders = orders->choice<LayeredOrders>();
@@ -275,7 +290,6 @@ RenderSettings decode_render_settings(const JsonInput& value) {
   for (const SceneMethod method : methods)
     if (const auto numbers = object.optional(method.name()); numbers && !method->numbers.empty())
       decode_numbers(*numbers, method, settings);
-  return settings;
 }
 
 /// The value at a path such as "subsurface.ground" below an object, or the last one on the way that
@@ -358,7 +372,7 @@ Scene decode_scene(const JsonInput& root) {
   scene.camera = decode_camera(file.required("camera"), mm_per_unit);
   if (const auto film = file.optional("film")) scene.film = decode_film(*film);
   if (const auto render = file.optional("render")) {
-    scene.render = decode_render_settings(*render);
+    decode_render_settings(*render, scene);
     note_places(*render, "render", render_settings, scene);
   }
   scene_file::Images images;
@@ -402,6 +416,19 @@ Scene decode_scene(const JsonInput& root) {
 }
 
 }  // namespace
+
+void set_quality(RenderSettings::Quality quality, Scene& scene) {
+  using Quality = RenderSettings::Quality;
+  const bool is_reference = quality == Quality::reference;
+  scene.render.quality = quality;
+  scene.render.method = is_reference ? SceneMethod::random_walk : SceneMethod::automatic;
+  scene.render.is_corrected = false;
+  scene.places.erase("render.correct");
+  // Noise of skin: docs/choose.md, measured.
+  scene.render.samples_per_pixel = quality == Quality::preview ? 8
+                                   : is_reference              ? 1024
+                                                               : RenderSettings().samples_per_pixel;
+}
 
 void make_background_transparent(Scene& scene) {
   scene.film.has_alpha = true;
