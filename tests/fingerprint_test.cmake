@@ -22,8 +22,8 @@ function(fingerprint out)
 endfunction()
 
 fingerprint(before)
-foreach(file IN ITEMS scattering/solver.cpp scattering/solver.h optics/ray.h optics/ray.cpp
-    optics/deep.h)
+foreach(file IN ITEMS solve/scattering/solver.cpp solve/scattering/solver.h layers/optics/ray.h layers/optics/ray.cpp
+    layers/optics/deep.h)
   file(APPEND ${root}/lamina/${file} "// changed\n")
   fingerprint(after)
   if(after STREQUAL before)

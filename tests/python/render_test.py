@@ -173,7 +173,7 @@ WRONG: list[tuple[dict[str, Any], dict[str, Any], str]] = [
     (BALL, {"samples": 0}, "samples: must be a whole number in [1, 2^24], but is 0"),
     (BALL, {"width": 1.5}, "width: must be a whole number"),
     (BALL, {"method": "prob"}, 'did you mean "probe"'),
-    (BALL, {"quality": "fnal"}, 'quality: must be one of preview, final, reference, but is "fnal", did you mean "final"?'),
+    (BALL, {"quality": "fnal"}, 'quality: must be one of preview, final, reference, but is \'fnal\'; did you mean "final"?'),
     (BALL, {"changes": {"film.widht": 3}}, "widht"),
     (BALL, {"changes": [1]}, "changes: must be a dict"),
     (BALL, {"correct": 1}, "correct: must be True or False"),
