@@ -18,7 +18,7 @@ class JsonObject;
 /// "tattoo", "pressed", "unevenness", "synthesis". @throws InvalidInput
 [[nodiscard]] SkinFeature decode_skin_feature(std::string_view kind, const JsonInput& value);
 
-// What these features have in common on a patch and on a mesh; places are left out.
+// Decoders of features that are alike on a patch and on a mesh, without their places.
 [[nodiscard]] Tattoo decode_ink(const JsonObject& object);
 /// @throws InvalidInput if the skin has no such ink.
 void require_ink(const Tattoo& tattoo, SkinParameters skin, const JsonInput& feature);

@@ -28,7 +28,7 @@ struct Directions {
 constexpr std::array<Directions, 6> steps_of_responses = {
     {{7, 4}, {10, 6}, {14, 8}, {19, 10}, {26, 12}, {36, 14}}};
 constexpr double most_seconds_of_responses = 2.0;  ///< of a step, as its cost is foreseen
-/// Of the response without waves: what is less by this factor need not be known better;
+/// Smallest scale of relative errors, over the response without waves;
 /// test SpatialFrequencyResponse.KnowsItsError.
 constexpr double least_response = 0.01;
 constexpr double accuracy_of_totals = 1e-6;

@@ -47,10 +47,9 @@ constexpr double too_much_in_the_mean = 10.0;
 /// Most nodes while modes are chosen.
 constexpr std::size_t probe_node_step = 2;
 
-/// What is left of the last step's change: with more modes or frequencies it falls to a fourth or
-/// less from step to step, with more nodes to a third unless the forward peak that they miss falls
-/// slower. Chosen on stacks that were not kept; that the estimates hold is what the tests
-/// TransferProfile* and tools/tables/profile_validation measure, against finer grids and photons.
+/// Error left after a step, as a part of its change: with more modes or frequencies changes fall to
+/// a fourth or less from step to step, with more nodes to a third unless the forward peak that they
+/// miss falls slower. Witnesses: tests TransferProfile*, tools/tables/profile_validation.
 constexpr double left_of_step = 0.3, left_of_node_step = 0.4;
 
 /// Changes by more nodes and by more modes are added up; what that misses is at most this times the
@@ -133,7 +132,6 @@ class BandSolver {
   [[nodiscard]] Curves finest(const Resolution& chosen, const Resolution& probe, Curves& error);
   [[nodiscard]] double largest(const std::vector<double>& error,
                                const std::vector<double>& value) const;
-
   [[nodiscard]] double mean(const std::vector<double>& error,
                             const std::vector<double>& value) const;
 
