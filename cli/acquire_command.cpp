@@ -263,7 +263,8 @@ void run_acquire(const AcquireOptions& options) {
   for (const char* ending : {".exr", ".png", ".json"})
     if (lower_case_ending(options.output) == ending)
       throw InvalidInput("--output: must be a folder, not a file, but is " + options.output);
-  Capture capture = load_capture(options.capture, options.common.memory, options.settings);
+  Capture capture =
+      develop_capture(load_capture(options.capture, options.common.memory, options.settings));
   const fs::path folder =
       options.output.empty() ? named_after(options.capture, "folder") : options.output;
   require_writable_folder(folder);

@@ -94,11 +94,12 @@ FileFacts material_facts(const FileLook& look, MemoryBudget memory) {
 }
 
 FileFacts capture_facts(const FileLook& look, MemoryBudget memory) {
-  const Capture capture = load_capture({look.path.string()}, memory);
+  const CaptureDescription description = load_capture({look.path.string()}, memory);
+  const Capture& capture = description.capture;
   FileFacts facts;
   add_base(facts, look, memory);
   add_text(facts, "name", capture.name);
-  const Image& image = capture.reflectance;
+  const PixelMask& image = description.photographs[0].mask;
   facts.lines.emplace_back(
       "size", fmt::format("{} x {} pixels{}", image.width, image.height,
                           capture.mm_per_pixel ? fmt::format(", {:.4g} x {:.4g} mm",
@@ -108,7 +109,7 @@ FileFacts capture_facts(const FileLook& look, MemoryBudget memory) {
   facts.json["width"] = image.width;
   facts.json["height"] = image.height;
   if (capture.mm_per_pixel) facts.json["mm_per_pixel"] = *capture.mm_per_pixel;
-  add_names(facts, "bands", image.channels);
+  add_names(facts, "bands", capture.reflectance.channels);
   if (!capture.wavelengths.empty())
     facts.lines.emplace_back("",
                              fmt::format("seen from {:g} to {:g} nm", capture.wavelengths.front(),

@@ -158,8 +158,9 @@ py::tuple acquire(const std::string& path, const std::optional<std::string>& tex
                   const py::object& callback) {
   auto acquisition = std::make_unique<Acquisition>();
   Capture& capture = acquisition->capture;
-  capture = load_unlocked(json_file(path, text),
-                          [&](const JsonFile& file) { return load_capture(file, {}, settings); });
+  capture = load_unlocked(json_file(path, text), [&](const JsonFile& file) {
+    return develop_capture(load_capture(file, {}, settings));
+  });
   Work work(callback);
   py::dict result;
   if (capture.leaf) {

@@ -240,7 +240,7 @@ TEST(ColorOfSkin, IsTheSkinThatAcquisitionsFind) {
   std::ofstream(folder / "lamina_color_of_skin.json")
       << R"({ "lamina": "capture", "version": 1, "images": [ { "image": "lamina_color_of_skin.exr",
               "encoding": "linear", "sensor": "srgb" } ] })";
-  Capture capture = load_capture(folder / "lamina_color_of_skin.json");
+  Capture capture = develop_capture(load_capture(folder / "lamina_color_of_skin.json"));
   const AcquiredSkin acquired =
       acquire_skin(capture, plan_acquisition(capture, LateralLight::automatic), {}).skin;
   SurfaceMapRecipe recipe{.width = side, .height = side, .meshes = {make_square(20.0f)}};

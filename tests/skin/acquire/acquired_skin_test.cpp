@@ -17,6 +17,7 @@
 #include "lamina/skin/acquire/bands/band_choice.h"
 #include "lamina/skin/acquire/files/acquired_files.h"
 #include "lamina/skin/acquire/patch_acquisition.h"
+#include "lamina/skin/acquire/skin_acquisition.h"
 #include "lamina/skin/maps/files/skin_maps_file.h"
 #include "lamina/skin/maps/skin_maps.h"
 
@@ -275,8 +276,8 @@ TEST(PatchAcquisition, ErrorsGrowToWhatColorsLeave) {
   std::ranges::fill(pixels.capture.population->missed, 0.0);
   const std::vector<BandMisfit> misfit = misfit_of_pixels(pixels.capture, table);
   for (const double chi_squared : chi_squared_of(misfit)) EXPECT_NEAR(chi_squared, 15.0, 5.0);
-  const AcquiredSkin skin = acquire_pixels(
-      pixels.capture, lookup_of(pixels.capture, table, error_growth_of(misfit)));
+  const AcquiredSkin skin =
+      acquire_pixels(pixels.capture, lookup_of(pixels.capture, table, error_growth_of(misfit)));
   EXPECT_NEAR(pixels.coverage(skin, 1.0), 0.68, 0.07);
   EXPECT_NEAR(pixels.coverage(skin, 2.0), 0.95, 0.04);
 }
@@ -319,6 +320,29 @@ TEST(AcquiredFiles, AreReadByWhatUsesThem) {
   EXPECT_EQ(load_image(files.mask).pixels[2], 0.0f);
   EXPECT_TRUE(std::filesystem::exists(files.patch));
   std::filesystem::remove_all(folder);
+}
+
+// Who made a table of its own would make it for the incidence of the capture, not the other one.
+TEST(SkinAcquisition, TakesOneTableEverywhere) {
+  Capture own = made().capture;
+  own.mask = make_pixel_mask(6, 4);
+  Capture handed = own, other = own;
+  handed.incidence = other.incidence = {.theta = 57.0 * std::numbers::pi / 180.0};
+  handed.table = table_of(own);  // of diffuse light
+  const PatchAcquisitionOptions brief{.inversion = {.deviation_samples = 0}};
+  for (const AcquisitionPlan plan : {AcquisitionPlan{.has_table = true}, AcquisitionPlan{}}) {
+    const SkinAcquisition expected = acquire_skin(own, plan, brief);
+    const SkinAcquisition same = acquire_skin(handed, plan, brief);
+    const SkinAcquisition unlike = acquire_skin(other, plan, brief);
+    for (std::size_t n = 0; n < own.numbers.size(); ++n) {
+      EXPECT_EQ(same.skin.numbers[n].values.pixels, expected.skin.numbers[n].values.pixels);
+      EXPECT_EQ(same.skin.numbers[n].deviations.pixels, expected.skin.numbers[n].deviations.pixels);
+      EXPECT_NE(unlike.skin.numbers[n].values.pixels, expected.skin.numbers[n].values.pixels);
+    }
+    EXPECT_EQ(same.check.residual, expected.check.residual);
+    EXPECT_EQ(same.check.by_calibration.values, expected.check.by_calibration.values);
+    EXPECT_NE(unlike.check.residual, expected.check.residual);
+  }
 }
 
 }  // namespace

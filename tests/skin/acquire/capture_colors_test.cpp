@@ -25,7 +25,7 @@ class CaptureColors : public ScratchFolder {
   [[nodiscard]] Capture capture_of(const std::string& images, const std::string& more = "") const {
     std::ofstream(path("capture.json"))
         << R"({ "lamina": "capture", "version": 1, "images": [ )" << images << " ]" << more << " }";
-    return load_capture(path("capture.json"));
+    return develop_capture(load_capture(path("capture.json")));
   }
 
   static Image skin() {

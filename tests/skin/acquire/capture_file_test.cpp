@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numeric>
+#include <span>
 #include <string>
 
 #include "base/io/bad_files.h"
@@ -14,17 +15,20 @@
 #include "lamina/base/image/files/image_file.h"
 #include "lamina/base/spectrum/band_color.h"
 #include "lamina/base/spectrum/srgb.h"
-#include "lamina/skin/acquire/capture.h"
 
 namespace lamina {
 namespace {
 
 const std::filesystem::path captures = LAMINA_SOURCE_DIR "/tests/inputs/capture";
 
+Capture developed(const std::filesystem::path& file, std::span<const std::string> settings = {}) {
+  return develop_capture(load_capture(file, {}, settings));
+}
+
 TEST(CaptureFile, SaysWhatIsWrong) {
   const auto refusal = [](const std::filesystem::path& file) -> std::string {
     try {
-      (void)load_capture(file);
+      (void)developed(file);
     } catch (const Error& error) {
       return error.what();
     }
@@ -33,8 +37,18 @@ TEST(CaptureFile, SaysWhatIsWrong) {
   EXPECT_GT(expect_refusals(captures / "bad", refusal), 18U);
 }
 
+// What photographs show is looked for when they are developed.
+TEST(CaptureFile, IsReadWithoutDeveloping) {
+  for (const char* file : {"bad/window_not_found.json", "bad/chart_not_found.json",
+                           "bad/too_small_to_register.json", "bad/card_uneven.json"}) {
+    const CaptureDescription read = load_capture(captures / file);
+    EXPECT_GT(read.capture.wavelengths.size(), 0U) << file;
+    EXPECT_THROW((void)develop_capture(read), InvalidInput) << file;
+  }
+}
+
 TEST(CaptureFile, ReadsATexture) {
-  const Capture capture = load_capture(captures / "good/texture.json");
+  const Capture capture = developed(captures / "good/texture.json");
   EXPECT_EQ(capture.reflectance.channels, (std::vector<std::string>{"R", "G", "B"}));
   EXPECT_EQ(capture.errors, (std::vector{0.01, 0.01, 0.02}));
   EXPECT_FLOAT_EQ(capture.reflectance.at(0, 0)[1], static_cast<float>(srgb_decode(160.0 / 255.0)));
@@ -57,12 +71,12 @@ TEST(CaptureFile, ReadsATexture) {
 }
 
 TEST(CaptureFile, JoinsBands) {
-  const Capture capture = load_capture(captures / "good/bands.json");
+  const Capture capture = developed(captures / "good/bands.json");
   EXPECT_EQ(capture.reflectance.channels, (std::vector<std::string>{"450nm", "550nm", "650nm"}));
   EXPECT_TRUE(capture.has_specular);
   EXPECT_EQ(capture.errors, (std::vector{0.005, 0.005, 0.02}));
-  const Capture same = load_capture(captures / "good/bands.json", {},
-                                    std::vector<std::string>{"images[0].white=0.45"});
+  const Capture same =
+      developed(captures / "good/bands.json", std::vector<std::string>{"images[0].white=0.45"});
   EXPECT_FLOAT_EQ(same.reflectance.at(5, 5)[0], 2.0f * capture.reflectance.at(5, 5)[0]);
   EXPECT_FLOAT_EQ(same.reflectance.at(5, 5)[1], capture.reflectance.at(5, 5)[1]);
   // The wide band is symmetric about its middle, the others are one wavelength.
@@ -81,7 +95,7 @@ TEST(CaptureFile, JoinsBands) {
 // The files hold skin of .45, .29, .22 with a texture of 4 %, in uneven light, 8 above black, and
 // a highlight of .3 that the crossed image does not have.
 TEST(CaptureFile, DevelopsAPairOfPhotographs) {
-  const Capture capture = load_capture(captures / "good/photograph.json");
+  const Capture capture = developed(captures / "good/photograph.json");
   double sum = 0.0;
   int count = 0, marked = 0;
   for (int y = 9; y < 39; ++y)
@@ -100,8 +114,8 @@ TEST(CaptureFile, DevelopsAPairOfPhotographs) {
   for (const double error : capture.errors) EXPECT_GT(error, 0.004);
   // Deviations are kept where the noise is more than what is stated.
   EXPECT_TRUE(capture.deviation.pixels.empty());
-  const Capture stated = load_capture(captures / "good/photograph.json", {},
-                                      std::vector<std::string>{"images[0].error=1e-4"});
+  const Capture stated = developed(captures / "good/photograph.json",
+                                   std::vector<std::string>{"images[0].error=1e-4"});
   EXPECT_EQ(stated.deviation.pixels.size(), stated.reflectance.pixels.size());
 }
 
@@ -116,7 +130,7 @@ TEST(CaptureFile, CountsTheSheetsThatWhiteWasSeenThrough) {
   const auto file = folder / "lamina_white_behind_sheets.exr";
   save_exr(white, file);
   const auto red = [](std::vector<std::string> settings) {
-    const Capture capture = load_capture(captures / "good/photograph.json", {}, settings);
+    const Capture capture = developed(captures / "good/photograph.json", settings);
     double sum = 0.0, count = 0.0;
     for (std::size_t i = 0; i < capture.mask.faults.size(); ++i)
       if (capture.mask.faults[i] == 0) {
@@ -144,8 +158,8 @@ TEST(CaptureFile, TakesColorsAsSuchInAnyOrder) {
   for (std::size_t i = 0; i < skin.pixels.size(); ++i)
     skin.pixels[i] = std::array{0.5f, 0.3f, 0.2f}[i % 3];
   save_exr(skin, file);
-  const Capture capture = load_capture(captures / "good/texture.json", {},
-                                       std::vector{"images[0].image=\"" + file.string() + "\""});
+  const Capture capture = developed(captures / "good/texture.json",
+                                    std::vector{"images[0].image=\"" + file.string() + "\""});
   EXPECT_EQ(capture.reflectance.channels, (std::vector<std::string>{"R", "G", "B"}));
   EXPECT_NEAR(capture.reflectance.at(5, 5)[0], 0.5f, 1e-3f);
   EXPECT_NEAR(capture.reflectance.at(5, 5)[2], 0.2f, 1e-3f);
@@ -153,7 +167,7 @@ TEST(CaptureFile, TakesColorsAsSuchInAnyOrder) {
 }
 
 TEST(CaptureFile, TakesPatternsOfLight) {
-  const Capture capture = load_capture(captures / "good/strips.json");
+  const Capture capture = developed(captures / "good/strips.json");
   EXPECT_EQ(capture.reflectance.channels,
             (std::vector<std::string>{"550nm", "550nm by strips.png", "650nm by strips.png"}));
   ASSERT_EQ(capture.lights.size(), 2U);
@@ -164,7 +178,7 @@ TEST(CaptureFile, TakesPatternsOfLight) {
 }
 
 TEST(CaptureFile, ReadsALeafInTheBandsOfItsFile) {
-  const Capture capture = load_capture(captures / "good/leaf.json");
+  const Capture capture = developed(captures / "good/leaf.json");
   ASSERT_TRUE(capture.leaf);
   EXPECT_EQ(*capture.leaf->ground, 0.1);
   EXPECT_FALSE(capture.leaf->has_background);
@@ -177,7 +191,7 @@ TEST(CaptureFile, ReadsALeafInTheBandsOfItsFile) {
 TEST(CaptureFile, KnowsHowMuchLightFallsOnTiltedSkin) {
   const auto first = [](std::vector<std::string> settings) {
     return static_cast<double>(
-        load_capture(captures / "good/bands.json", {}, settings).reflectance.at(8, 6)[0]);
+        developed(captures / "good/bands.json", settings).reflectance.at(8, 6)[0]);
   };
   const double flat = first({"incidence=30"});
   EXPECT_NEAR(first({"incidence=30", "images[0].distance=[400, 200]"}) / flat, 4.0, 1e-5);
@@ -186,7 +200,7 @@ TEST(CaptureFile, KnowsHowMuchLightFallsOnTiltedSkin) {
 }
 
 TEST(CaptureFile, TakesWhiteFromACard) {
-  const Capture capture = load_capture(captures / "good/card.json");
+  const Capture capture = developed(captures / "good/card.json");
   EXPECT_NEAR(static_cast<double>(capture.reflectance.at(45, 15)[0]), 0.45, 0.03);
   EXPECT_NEAR(static_cast<double>(capture.reflectance.at(45, 15)[2]), 0.22, 0.02);
   ASSERT_EQ(capture.notes.size(), 1U);
@@ -195,7 +209,7 @@ TEST(CaptureFile, TakesWhiteFromACard) {
 }
 
 TEST(CaptureFile, WeighsACameraByItsCurvesAndTheLight) {
-  const Capture capture = load_capture(captures / "good/camera.json");
+  const Capture capture = developed(captures / "good/camera.json");
   EXPECT_FALSE(capture.incidence.is_diffuse);
   for (std::size_t c = 0; c < 3; ++c) {
     const std::span row = capture.sensor.row(c);

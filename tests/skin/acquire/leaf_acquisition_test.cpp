@@ -18,7 +18,8 @@ namespace {
 
 /// A leaf whose chlorophyll rises from left to right, over a ground of .1, in ten bands.
 Capture made_leaf() {
-  Capture capture = load_capture(LAMINA_SOURCE_DIR "/tests/inputs/capture/good/leaf.json");
+  Capture capture =
+      develop_capture(load_capture(LAMINA_SOURCE_DIR "/tests/inputs/capture/good/leaf.json"));
   LeafRange range;
   range.low.chlorophyll = 10.0;
   range.high.chlorophyll = 60.0;

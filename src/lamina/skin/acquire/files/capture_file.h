@@ -6,14 +6,14 @@
 
 #include "lamina/base/core/memory_budget.h"
 #include "lamina/base/io/json_file.h"
-#include "lamina/skin/acquire/capture.h"
+#include "lamina/skin/acquire/develop_capture.h"
 
 namespace lamina {
 
-/// Reads a capture file, changed by settings as parse_json takes them; docs/acquire.md has the
-/// format.
+/// Reads a capture file and its photographs, changed by settings as parse_json takes them, for
+/// develop_capture; docs/acquire.md has the format.
 /// @throws FileError if a file is missing or unreadable; InvalidInput naming file, line and field.
-[[nodiscard]] Capture load_capture(const JsonFile& file, MemoryBudget memory = {},
-                                   std::span<const std::string> settings = {});
+[[nodiscard]] CaptureDescription load_capture(const JsonFile& file, MemoryBudget memory = {},
+                                              std::span<const std::string> settings = {});
 
 }  // namespace lamina

@@ -7,28 +7,22 @@
 #include "lamina/base/core/vec.h"
 #include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/json_input.h"
-#include "lamina/skin/acquire/calibration/color_chart.h"
-#include "lamina/skin/acquire/calibration/develop.h"
+#include "lamina/skin/acquire/develop_capture.h"
 #include "lamina/skin/acquire/files/internal/decoded_sensor.h"
 #include "lamina/solve/scattering/profile/slab_totals.h"
 
 namespace lamina::acquire_detail {
 
-/// One entry of "images": what it reflects in its bands, and how its channels see.
+/// One entry of "images", how its channels see, and its light.
 struct DecodedPhotograph {
-  Developed developed;  ///< of the channels that are measured
+  PhotographDescription photograph;
   DecodedSensor sensor;
-  Image light;                     ///< its pattern, "Y"; empty: even
-  std::string light_file;          ///< that it is from
-  std::vector<double> errors;      ///< [band] of the calibration, relative
-  std::vector<std::string> notes;  ///< what was done, in sentences
+  Image light;             ///< its pattern, "Y"; empty: even
+  std::string light_file;  ///< that it is from
 };
 /// @param incidence  of the light on the white
 [[nodiscard]] DecodedPhotograph decode_photograph(const JsonInput& value,
                                                   const Incidence& incidence);
-
-/// Excludes the pixels of a color chart, which are no skin.
-void leave_out_chart(const ChartCorners& corners, PixelMask& mask);
 
 /// An image without infinities and NaN.
 [[nodiscard]] Image load_finite(const JsonInput& file, ColorEncoding encoding);
