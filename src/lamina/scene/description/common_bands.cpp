@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "lamina/layers/optics/symmetric_slab.h"
 #include "lamina/scene/description/materials_in_use.h"
 #include "lamina/solve/reflectance/material_totals.h"
 #include "lamina/solve/reflectance/skin_colors.h"

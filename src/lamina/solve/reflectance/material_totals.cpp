@@ -86,27 +86,6 @@ Profile with_material_totals(Profile profile, std::span<const LayerStack> bands)
   return profile;
 }
 
-double thickness_of_upper_layers(const LayerStack& stack) {
-  double total = 0.0;
-  for (const Layer& layer : stack.layers().first(stack.layers().size() - 1))
-    total += layer.thickness;
-  return total;
-}
-
-LayerStack make_slab(const LayerStack& stack, double thickness) {
-  std::vector<Layer> layers(stack.layers().begin(), stack.layers().end());
-  const std::size_t upper = layers.size() - 1;
-  layers.back().thickness =
-      std::max(thickness - 2.0 * thickness_of_upper_layers(stack), 0.1 * thickness);
-  for (std::size_t i = upper; i-- > 0;) {
-    Layer layer = stack.layers()[i];
-    layer.top = stack.layers()[i + 1].top;
-    layers.push_back(layer);
-  }
-  return LayerStack(std::move(layers), stack.ior_above(), stack.ior_above(),
-                    {.top = stack.layers().front().top});
-}
-
 LayerStack with_absorption(const LayerStack& stack, double factor) {
   std::vector<Layer> layers(stack.layers().begin(), stack.layers().end());
   for (Layer& layer : layers) {

@@ -33,13 +33,6 @@ struct EnteredTotals {
 /// Layers with a smooth lowest surface.
 [[nodiscard]] LayerStack with_smooth_bottom(const LayerStack& stack);
 
-/// Thickness of all layers but the last [mm].
-[[nodiscard]] double thickness_of_upper_layers(const LayerStack& stack);
-
-/// Layers of which the last is infinite as a thin object: a slab with the same layers on both sides
-/// and what is left of the thickness [mm] of the last one between them.
-[[nodiscard]] LayerStack make_slab(const LayerStack& stack, double thickness);
-
 /// The layers with their absorption times a factor. Where there is none, a thousandth of the
 /// reduced scattering stands in, so that it can be made darker.
 [[nodiscard]] LayerStack with_absorption(const LayerStack& stack, double factor);

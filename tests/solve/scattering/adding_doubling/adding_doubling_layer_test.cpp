@@ -152,6 +152,48 @@ TEST(SlabDoubling, SlabsAreTheSameTogetherAndAlone) {
     }
 }
 
+// Rungs of a ladder are slabs that are doubled less often; opaque slabs stay as they are.
+TEST(SlabDoubling, LadderPassesByThinnerSlabs) {
+  constexpr std::size_t n = 6, even = 4, count = 5, rungs = 4;
+  for (const double opaque : {0.0, 1e-6}) {
+    Matrix forward(n, n), backward(n, n);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) {
+        const bool differ = (i < even) != (j < even);
+        forward(i, j) = 0.02 * (differ && i < j ? -1.0 : 1.0) * std::cos(double(i * j)) -
+                        (i == j ? 1.0 : 0.0);
+        backward(i, j) = differ ? 0.0 : 0.01 * std::sin(double(i + j));
+      }
+    std::vector<SlabProblem> problems;
+    for (std::size_t l = 0; l < count; ++l)
+      problems.push_back({.size = n,
+                          .even = even,
+                          .forward = forward.values.data(),
+                          .backward = backward.values.data(),
+                          .step = std::ldexp(1.0 + double(l), -5),
+                          .doublings = 8,
+                          .opaque = opaque});
+    std::vector<Matrix> r(rungs * count, Matrix(n, n)), t = r;
+    std::vector<double*> r_of, t_of;
+    for (std::size_t q = 0; q < rungs * count; ++q) {
+      r_of.push_back(r[q].values.data());
+      t_of.push_back(t[q].values.data());
+    }
+    double_slab_ladder(problems, rungs, r_of.data(), t_of.data());
+    for (std::size_t rung = 0; rung < rungs; ++rung)
+      for (std::size_t l = 0; l < count; ++l) {
+        SlabProblem thinner = problems[l];
+        thinner.doublings -= int(rungs - 1 - rung);
+        Matrix alone_r(n, n), alone_t(n, n);
+        double_slab(thinner, alone_r.values.data(), alone_t.values.data());
+        for (std::size_t k = 0; k < n * n; ++k) {
+          EXPECT_NEAR(r[rung * count + l].values[k], alone_r.values[k], 1e-14);
+          EXPECT_NEAR(t[rung * count + l].values[k], alone_t.values[k], opaque + 1e-14);
+        }
+      }
+  }
+}
+
 // The states of odd azimuthal modes change sign under reciprocity. Witness: the same slab by small
 // steps of its differential equations, R' = B + A R + R A + R B R and T' = (A + R B) T.
 TEST(SlabDoubling, SlabSolvesTheRiccatiEquationWithOddStates) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -45,6 +46,28 @@ TEST_F(TransferProfileCacheTest, GivesBackEveryDigit) {
   EXPECT_EQ(a.modes, b.modes);
   EXPECT_EQ(a.is_accurate, b.is_accurate);
   EXPECT_FALSE(cached_transfer_profile(std::nullopt, stacks, grid, options).was_cached);
+}
+
+TEST_F(TransferProfileCacheTest, GivesBackEveryDigitOfSlabs) {
+  layers.front().thickness = std::numeric_limits<double>::infinity();
+  const LayerStack stack(layers, 1.0, 1.4);
+  const ThicknessRange range{.thinnest = 0.1, .thickest = 0.3};
+  const auto solved = cached_thickness_profiles(cache, {&stack, 1}, range, grid);
+  const auto kept = cached_thickness_profiles(cache, {&stack, 1}, range, grid, [](double) {
+    return false;  // nothing is left to interrupt
+  });
+  EXPECT_EQ(solved.thickness, kept.thickness);
+  ASSERT_EQ(kept.slabs.size(), 4u);
+  EXPECT_EQ(solved.half_space.reflectance_profile, kept.half_space.reflectance_profile);
+  for (std::size_t s = 0; s < kept.slabs.size(); ++s) {
+    EXPECT_EQ(solved.slabs[s].transmittance_profile, kept.slabs[s].transmittance_profile);
+    EXPECT_EQ(solved.slabs[s].total_reflectance, kept.slabs[s].total_reflectance);
+  }
+  const auto ends = [&](const ThicknessRange& other) {
+    return cached_thickness_profiles(cache, {&stack, 1}, other, grid).slabs.size();
+  };
+  EXPECT_EQ(ends({.thinnest = 0.1, .thickest = 0.2}), 2u);
+  EXPECT_EQ(ends({.thinnest = 0.05, .thickest = 0.09}), 2u);
 }
 
 TEST_F(TransferProfileCacheTest, SolvesAgainWhatIsDamaged) {

@@ -17,14 +17,6 @@
 namespace lamina {
 namespace {
 
-/// The same change to all bands.
-template <class Change>
-std::vector<LayerStack> changed(std::span<const LayerStack> bands, const Change& change) {
-  std::vector<LayerStack> result;
-  for (const LayerStack& stack : bands) result.push_back(change(stack));
-  return result;
-}
-
 /// What turns a profile into one per flux that entered. A profile per flux arriving along the
 /// normal holds the transmittance of that direction.
 template <int N>
@@ -61,33 +53,24 @@ MaterialProfiles<N>::MaterialProfiles(const RenderScene& scene, const BandConver
       conversion_(conversion),
       surface_(std::get<SubsurfaceSurface>(scene.scene->materials[material].surface)),
       material_(material) {
-  using Layers = std::vector<LayerStack>;  // [band]
-  const Layers layers = layer_stacks(surface_.material);
+  const std::vector<LayerStack> layers = layer_stacks(surface_.material);  // [band]
   bands_ = static_cast<int>(layers.size());
-  std::vector<Layers> variants;
   std::vector<Profile> profiles;
-  const auto add = [&](Layers variant) {
-    profiles.push_back(make_profile(surface_.material, variant));
-    variants.push_back(std::move(variant));
-  };
-  // Slabs from a hardly scattering one to one that lets nothing through, three to an octave.
   if (is_semi_infinite(layers.front())) {
-    const double thinnest = std::max(2.5 * thickness_of_upper_layers(layers.front()), 0.05);
-    for (double thickness = thinnest; thickness < 200.0; thickness *= std::numbers::sqrt2) {
-      add(changed(layers, [&](const LayerStack& stack) { return make_slab(stack, thickness); }));
-      thicknesses_.push_back(static_cast<float>(thickness));
-      const auto& through = profiles.back().total_transmittance;
-      if (*std::max_element(through.begin(), through.end()) < 2e-3) break;
-    }
+    ProfileMaker::ByThickness made = make_profile.by_thickness(surface_.material, layers);
+    profiles = std::move(made.slabs);
+    profiles.push_back(std::move(made.half_space));
+    thicknesses_.assign(made.thickness.begin(), made.thickness.end());
+  } else {
+    profiles.push_back(make_profile(surface_.material, layers));
   }
-  add(layers);
   std::vector<Profile> widest = {profiles.back()};
   series_ = make_series(layers, make_profile);
   if (series_) widest.push_back(widest_profile(*series_));
   const RadiusGrid grid = make_radius_grid(widest);
   support_radius_ = grid.last;
-  for (std::size_t i = 0; i < variants.size(); ++i)
-    by_thickness_.emplace_back(profiles[i], grid, per_entered<N>(profiles[i], variants[i]));
+  for (const Profile& profile : profiles)
+    by_thickness_.emplace_back(profile, grid, per_entered<N>(profile, layers));
   if (series_)
     for (std::size_t i = 0; i < series_->size(); ++i)
       by_absorption_.emplace_back(series_->profiles()[i], grid,
@@ -192,9 +175,11 @@ typename MaterialProfiles<N>::Slabs MaterialProfiles<N>::slabs_of(float thicknes
     return {&by_thickness_.back(), &by_thickness_.back(), 0.0f};
   std::size_t i = 0;
   while (i + 1 < thicknesses_.size() && thicknesses_[i + 1] < thickness) ++i;
-  const float at = std::log2(std::max(thickness / thicknesses_[i], 1.0f)) * 2.0f;
-  return {&by_thickness_[i], &by_thickness_[std::min(i + 1, thicknesses_.size() - 1)],
-          std::min(at, 1.0f)};
+  const std::size_t next = std::min(i + 1, thicknesses_.size() - 1);
+  const float place = std::log(std::max(thickness / thicknesses_[i], 1.0f));
+  const float step = std::log(thicknesses_[next] / thicknesses_[i]);
+  return {&by_thickness_[i], &by_thickness_[next],
+          step > 0.0f ? std::min(place / step, 1.0f) : 0.0f};
 }
 
 template <int N>

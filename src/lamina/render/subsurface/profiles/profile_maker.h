@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "lamina/base/core/progress.h"
 #include "lamina/base/io/disk_cache.h"
@@ -49,6 +50,17 @@ class ProfileMaker {
   /// @throws InvalidInput as the solver; Interrupted if progress asks to stop.
   [[nodiscard]] Profile operator()(const Material& material,
                                    std::span<const LayerStack> bands) const;
+
+  /// Profiles of layers of which the last is infinite, and of slabs of them from one that hardly
+  /// scatters to one that lets nothing through, three to an octave.
+  struct ByThickness {
+    std::vector<double> thickness;  ///< [slab] [mm]
+    std::vector<Profile> slabs;     ///< [slab]
+    Profile half_space;
+  };
+  /// @throws as operator().
+  [[nodiscard]] ByThickness by_thickness(const Material& material,
+                                         std::span<const LayerStack> bands) const;
 
   /// Function that makes profiles of given layers with any absorption, of which many are wanted: by
   /// radiative transfer, half-spaces of one layer come from tables, see half_space_table.h.

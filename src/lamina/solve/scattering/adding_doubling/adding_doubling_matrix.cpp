@@ -47,11 +47,12 @@ int double_slab(const SlabProblem& problem, double* reflection, double* transmis
 
 /// All of a batch are doubled as often as the one that needs it most: the others start thinner. In
 /// half-spaces until the most transparent one lets through no more than `opaque`.
-void double_batch(std::span<const SlabProblem> problems, double* const* reflection,
-                  double* const* transmission) {
+/// @param rungs  last doublings that are kept, [rung * stride + problem]
+void double_batch(std::span<const SlabProblem> problems, std::size_t rungs, std::size_t stride,
+                  double* const* reflection, double* const* transmission) {
   const auto n = static_cast<std::size_t>(problems[0].size);
   const auto even = static_cast<std::size_t>(problems[0].even);
-  int doublings = 0;
+  int doublings = static_cast<int>(rungs) - 1;
   for (const SlabProblem& problem : problems) doublings = std::max(doublings, problem.doublings);
   std::vector<ThinSlab<Single>> thin;
   for (SlabProblem problem : problems) {
@@ -68,25 +69,31 @@ void double_batch(std::span<const SlabProblem> problems, double* const* reflecti
         K.element(i, j)[l] = *of_lane.K.element(i, j);
       }
   }
+  const auto keep = [&](std::size_t rung) {
+    for (std::size_t l = 0; l < problems.size(); ++l)
+      for (std::size_t j = 0; j < n; ++j)
+        for (std::size_t i = 0; i < n; ++i) {
+          const double sign = j < even ? 1.0 : -1.0;
+          reflection[rung * stride + l][j * n + i] = sign * H.element(i, j)[l];
+          transmission[rung * stride + l][j * n + i] = sign * K.element(i, j)[l];
+        }
+  };
   Doubling<AcrossMatrices> double_once(n, even);
-  for (int done = 0; done < doublings; ++done) {
-    double_once(H, K);
-    if (problems[0].opaque > 0.0 && all_less(K, problems[0].opaque)) break;
+  const int first_kept = doublings + 1 - static_cast<int>(rungs);
+  bool is_opaque = false;
+  for (int done = 0; done < doublings && !(is_opaque && rungs == 1); ++done) {
+    if (done >= first_kept) keep(static_cast<std::size_t>(done - first_kept));
+    if (!is_opaque) double_once(H, K);
+    is_opaque = problems[0].opaque > 0.0 && all_less(K, problems[0].opaque);
   }
-  for (std::size_t l = 0; l < problems.size(); ++l)
-    for (std::size_t j = 0; j < n; ++j)
-      for (std::size_t i = 0; i < n; ++i) {
-        const double sign = j < even ? 1.0 : -1.0;
-        reflection[l][j * n + i] = sign * H.element(i, j)[l];
-        transmission[l][j * n + i] = sign * K.element(i, j)[l];
-      }
+  keep(rungs - 1);
 }
 
-void double_slabs(std::span<const SlabProblem> problems, double* const* reflection,
-                  double* const* transmission) {
+void double_slab_ladder(std::span<const SlabProblem> problems, std::size_t rungs,
+                        double* const* reflection, double* const* transmission) {
   for (std::size_t first = 0; first < problems.size(); first += lanes())
-    double_batch(problems.subspan(first, std::min(lanes(), problems.size() - first)),
-                 reflection + first, transmission + first);
+    double_batch(problems.subspan(first, std::min(lanes(), problems.size() - first)), rungs,
+                 problems.size(), reflection + first, transmission + first);
 }
 
 std::size_t slabs_at_once() { return lanes(); }
@@ -129,7 +136,7 @@ HWY_AFTER_NAMESPACE();
 namespace lamina::detail {
 
 HWY_EXPORT(double_slab);
-HWY_EXPORT(double_slabs);
+HWY_EXPORT(double_slab_ladder);
 HWY_EXPORT(slabs_at_once);
 HWY_EXPORT(product);
 HWY_EXPORT(between);
@@ -138,9 +145,14 @@ int double_slab(const SlabProblem& problem, double* reflection, double* transmis
   return HWY_DYNAMIC_DISPATCH(double_slab)(problem, reflection, transmission);
 }
 
+void double_slab_ladder(std::span<const SlabProblem> problems, std::size_t rungs,
+                        double* const* reflection, double* const* transmission) {
+  HWY_DYNAMIC_DISPATCH(double_slab_ladder)(problems, rungs, reflection, transmission);
+}
+
 void double_slabs(std::span<const SlabProblem> problems, double* const* reflection,
                   double* const* transmission) {
-  HWY_DYNAMIC_DISPATCH(double_slabs)(problems, reflection, transmission);
+  double_slab_ladder(problems, 1, reflection, transmission);
 }
 
 std::size_t slabs_at_once() { return HWY_DYNAMIC_DISPATCH(slabs_at_once)(); }

@@ -65,6 +65,12 @@ void double_slabs(std::span<const SlabProblem> problems, double* const* reflecti
                   double* const* transmission);
 [[nodiscard]] std::size_t slabs_at_once();
 
+/// Reflection and transmission of slabs of 1, 2, 4, ... 2^(rungs - 1) times a thickness, which the
+/// doublings of the last pass by. The problems are those of the thickest.
+/// @param reflection, transmission  [rung][problem], each [size x size]
+void double_slab_ladder(std::span<const SlabProblem> problems, std::size_t rungs,
+                        double* const* reflection, double* const* transmission);
+
 [[nodiscard]] Matrix product(const Matrix& a, const Matrix& b);
 [[nodiscard]] std::vector<double> product(const Matrix& m, const std::vector<double>& x);
 

@@ -35,7 +35,8 @@ ProfileCurves diffuse_lowest_orders(const LayerStack& stack, const GridStack& on
   const auto grid = make_frequency_grid(on_grid, light.frequencies, highest_per_sigma_t);
   // Light scattered once grows as 1/r near the point: a part that does the same and has the same
   // total is put in over radius, the rest over frequency.
-  const double contact = single_at_contact(stack, on_grid, fine.top);
+  const double contact =
+      light.contact ? *light.contact : single_at_contact(stack, on_grid, fine.top);
   const double slowest = 1e-3 * grid.highest;
   const double decay = contact > 0.0
                            ? std::max(contact / single_response(single, 0.0).reflectance, slowest)

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "lamina/solve/scattering/adding_doubling/adding_doubling_stack.h"
@@ -21,6 +22,8 @@ struct StraightLight {
   int frequencies = 48;
   int depth_nodes = 8;  ///< of a panel of depths, see make_diffuse_single
   int mirrors = 3;      ///< most reflections of what is not scattered
+  /// single_at_contact if it is known: it depends on the top and the first layer alone.
+  std::optional<double> contact = std::nullopt;
 };
 
 /// Lowest orders of diffuse light from above on one point, or of a beam that a rough top spreads:

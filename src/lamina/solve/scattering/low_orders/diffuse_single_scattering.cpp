@@ -95,7 +95,7 @@ int waves(const DiffuseSingle::Rays& rays, std::size_t depth, int modes, double 
     const double light = rays.light[depth * n + i] * std::exp(-fourth * fourth);
     // Beyond m = x the functions vanish.
     const int last = std::min(modes, static_cast<int>(x + 6.0 * std::cbrt(x)) + 4);
-    bessel_functions(x, std::span(one).first(static_cast<std::size_t>(last) + 1));
+    tabulated_bessel_functions(x, std::span(one).first(static_cast<std::size_t>(last) + 1));
     for (int m = 0; m <= last; ++m)
       out[static_cast<std::size_t>(m) * n + i] = light * one[static_cast<std::size_t>(m)];
     highest = std::max(highest, last);

@@ -50,14 +50,18 @@ void put(PackedWriter& writer, const LayerStack& stack) {
   }
 }
 
-std::string key_of(std::span<const LayerStack> stacks, const RadialGrid& radii,
-                   const TransferProfileOptions& options) {
-  PackedWriter writer;
-  writer.put_text("transfer profile, format 3, solver " LAMINA_TRANSFER_PROFILE_FINGERPRINT);
+void put(PackedWriter& writer, const RadialGrid& radii) {
   const auto& [first, last, size] = radii;
   writer.put(first);
   writer.put(last);
   writer.put(size);
+}
+
+std::string key_of(std::span<const LayerStack> stacks, const RadialGrid& radii,
+                   const TransferProfileOptions& options) {
+  PackedWriter writer;
+  writer.put_text("transfer profile, format 3, solver " LAMINA_TRANSFER_PROFILE_FINGERPRINT);
+  put(writer, radii);
   const auto& [accuracy, error, r_lowest, r_highest, illumination, is_from_below, progress] =
       options;
   for (const double value : {accuracy, r_lowest, r_highest}) writer.put(value);
@@ -69,15 +73,33 @@ std::string key_of(std::span<const LayerStack> stacks, const RadialGrid& radii,
   return std::move(writer).bytes();
 }
 
-/// Calls `act` for every member of a result, for writing as for reading.
-template <class Result, class Act>
-void for_each_member(Result& result, const Act& act) {
-  auto& [profile, relative_error, transmittance_error, estimated_error, mean_error, nodes, modes,
-         photons, is_accurate] = result;
+std::string key_of(std::span<const LayerStack> half_spaces, const ThicknessRange& range,
+                   const RadialGrid& radii) {
+  PackedWriter writer;
+  writer.put_text("thickness profiles, format 1, solver " LAMINA_TRANSFER_PROFILE_FINGERPRINT);
+  put(writer, radii);
+  const auto& [thinnest, thickest, least_transmittance] = range;
+  for (const double value : {thinnest, thickest, least_transmittance}) writer.put(value);
+  writer.put(half_spaces.size());
+  for (const LayerStack& stack : half_spaces) put(writer, stack);
+  return std::move(writer).bytes();
+}
+
+/// Calls `act` for every member of a profile, for writing as for reading.
+template <class Profile, class Act>
+void for_each_member_of(Profile& profile, const Act& act) {
   auto& [per, bands, r, reflectance, transmittance, total_reflectance, total_transmittance] =
       profile;
   act(per), act(bands), act(r), act(reflectance), act(transmittance);
   act(total_reflectance), act(total_transmittance);
+}
+
+/// Calls `act` for every member of a result.
+template <class Result, class Act>
+void for_each_member(Result& result, const Act& act) {
+  auto& [profile, relative_error, transmittance_error, estimated_error, mean_error, nodes, modes,
+         photons, is_accurate] = result;
+  for_each_member_of(profile, act);
   act(relative_error), act(transmittance_error), act(estimated_error), act(mean_error), act(nodes),
       act(modes), act(photons), act(is_accurate);
 }
@@ -95,6 +117,27 @@ std::optional<TransferProfile> unpacked(std::string_view bytes) {
   return reader.is_done() ? std::optional(std::move(result)) : std::nullopt;
 }
 
+std::string packed(const ThicknessProfiles& result) {
+  PackedWriter writer;
+  const auto write = [&](const auto& member) { writer.put(member); };
+  const auto& [half_space, slabs, thickness] = result;
+  writer.put(thickness);
+  for_each_member_of(half_space, write);
+  for (const Profile& slab : slabs) for_each_member_of(slab, write);
+  return std::move(writer).bytes();
+}
+
+std::optional<ThicknessProfiles> unpacked_thickness_profiles(std::string_view bytes) {
+  PackedReader reader(bytes);
+  const auto read = [&](auto& member) { reader.get(member); };
+  ThicknessProfiles result;
+  reader.get(result.thickness);
+  for_each_member_of(result.half_space, read);
+  result.slabs.resize(result.thickness.size());
+  for (Profile& slab : result.slabs) for_each_member_of(slab, read);
+  return reader.is_done() ? std::optional(std::move(result)) : std::nullopt;
+}
+
 }  // namespace
 
 CachedTransferProfile cached_transfer_profile(const std::optional<DiskCache>& cache,
@@ -108,6 +151,19 @@ CachedTransferProfile cached_transfer_profile(const std::optional<DiskCache>& ca
   TransferProfile result = transfer_profile(stacks, radii, options);
   save_cached(*cache, key, packed(result));
   return {std::move(result)};
+}
+
+ThicknessProfiles cached_thickness_profiles(const std::optional<DiskCache>& cache,
+                                            std::span<const LayerStack> half_spaces,
+                                            const ThicknessRange& range, const RadialGrid& radii,
+                                            const Progress& progress) {
+  if (!cache) return thickness_profiles(half_spaces, range, radii, progress);
+  const std::string key = key_of(half_spaces, range, radii);
+  if (const auto bytes = load_cached(*cache, key))
+    if (auto result = unpacked_thickness_profiles(*bytes)) return std::move(*result);
+  ThicknessProfiles result = thickness_profiles(half_spaces, range, radii, progress);
+  save_cached(*cache, key, packed(result));
+  return result;
 }
 
 }  // namespace lamina

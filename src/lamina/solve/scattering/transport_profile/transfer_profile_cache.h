@@ -5,6 +5,7 @@
 #include <span>
 
 #include "lamina/base/io/disk_cache.h"
+#include "lamina/solve/scattering/transport_profile/thickness_profiles.h"
 #include "lamina/solve/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {
@@ -23,5 +24,12 @@ struct CachedTransferProfile {
 [[nodiscard]] CachedTransferProfile cached_transfer_profile(
     const std::optional<DiskCache>& cache, std::span<const LayerStack> stacks,
     const RadialGrid& radii = {}, const TransferProfileOptions& options = {});
+
+/// `thickness_profiles`, likewise.
+[[nodiscard]] ThicknessProfiles cached_thickness_profiles(const std::optional<DiskCache>& cache,
+                                                          std::span<const LayerStack> half_spaces,
+                                                          const ThicknessRange& range,
+                                                          const RadialGrid& radii = {},
+                                                          const Progress& progress = {});
 
 }  // namespace lamina

@@ -140,6 +140,31 @@ std::vector<LayerOperators> layer_at_frequencies(const FrequencySolver& solver, 
   return operators;
 }
 
+std::vector<std::vector<LayerOperators>> layer_ladder_at_frequencies(
+    const FrequencySolver& solver, std::size_t index, double thinnest, std::size_t rungs,
+    std::span<const double> frequencies) {
+  GridLayer layer = solver.stack.layers[index];
+  layer.thickness = std::ldexp(thinnest, static_cast<int>(rungs) - 1);
+  const FrequencyStates states = make_states(solver, layer.ior);
+  const std::size_t n = states.size();
+  std::vector<std::vector<LayerOperators>> ladder(
+      rungs, std::vector<LayerOperators>(frequencies.size(), {Matrix(n, n), Matrix(n, n)}));
+  std::vector<LayerEquation> equations;
+  equations.reserve(frequencies.size());
+  std::vector<SlabProblem> problems;
+  for (const double k : frequencies)
+    problems.push_back(slab_problem(
+        layer, states, equations.emplace_back(layer_equation(solver, index, states, k))));
+  std::vector<double*> reflection, transmission;
+  for (std::vector<LayerOperators>& rung : ladder)
+    for (LayerOperators& operators : rung) {
+      reflection.push_back(operators.reflection.values.data());
+      transmission.push_back(operators.transmission.values.data());
+    }
+  double_slab_ladder(problems, rungs, reflection.data(), transmission.data());
+  return ladder;
+}
+
 DifferentiatedLayer differentiate_layer_at(const DifferentiatedSolver& differentiated,
                                            std::size_t index, double k) {
   const FrequencySolver& solver = differentiated.solver;

@@ -25,6 +25,12 @@ struct LayerEquation {
                                                                std::size_t index,
                                                                std::span<const double> frequencies);
 
+/// Operators of layers of 1, 2, 4, ... 2^(rungs - 1) times a thickness [mm] that are else as a
+/// layer of the stack, [rung][frequency].
+[[nodiscard]] std::vector<std::vector<LayerOperators>> layer_ladder_at_frequencies(
+    const FrequencySolver& solver, std::size_t index, double thinnest, std::size_t rungs,
+    std::span<const double> frequencies);
+
 /// Layer at one frequency, with derivatives.
 [[nodiscard]] DifferentiatedLayer differentiate_layer_at(const DifferentiatedSolver& differentiated,
                                                          std::size_t index, double k);
