@@ -6,7 +6,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "lamina/base/core/hash.h"
@@ -42,7 +41,7 @@ struct Place {
 struct Piece {
   std::uint32_t mesh = 0, triangle = 0;
   std::array<Vec2f, 3> place = {Vec2f{0, 0}, {1, 0}, {0, 1}};  // of its corners: u, v
-  std::uint32_t part = 0;                                      // which of the triangle's
+  std::uint32_t part = 0;  // of the triangle: 0 is all, 4 p + 1 to 4 p + 4 are quarters of p
   std::uint32_t cuts = 0;  // of each edge: into cuts² congruent elements
   std::size_t first = 0;
 };
@@ -196,6 +195,14 @@ void for_triangles(const std::vector<Mesh>& meshes, std::uint32_t material,
 
 }  // namespace
 
+std::uint64_t element_key(const SurfaceElement& element) {
+  Hash hash;
+  hash.add((std::uint64_t{element.mesh} << 32) | element.triangle);
+  hash.add((std::uint64_t{std::bit_cast<std::uint32_t>(element.u)} << 32) |
+           std::bit_cast<std::uint32_t>(element.v));
+  return hash.value();
+}
+
 double surface_area(const std::vector<Mesh>& meshes, std::uint32_t material) {
   double area = 0.0;
   for_triangles(meshes, material, [&](const Corners& c, std::uint32_t, std::uint32_t) {
@@ -206,6 +213,24 @@ double surface_area(const std::vector<Mesh>& meshes, std::uint32_t material) {
 
 namespace {
 
+/// Quarters of a piece, appended to others.
+void add_quarters(const Piece& piece, std::vector<Piece>& to) {
+  const auto& [a, b, d] = piece.place;
+  const Vec2f ab = 0.5f * (a + b), bd = 0.5f * (b + d), da = 0.5f * (d + a);
+  std::uint32_t part = 4 * piece.part;
+  for (const std::array<Vec2f, 3>& place : {std::array{a, ab, da}, std::array{ab, b, bd},
+                                            std::array{da, bd, d}, std::array{ab, bd, da}})
+    to.push_back(
+        {.mesh = piece.mesh, .triangle = piece.triangle, .place = place, .part = ++part});
+}
+
+/// Lowest level of the field at the middle and the corners of a triangle.
+int lowest_level(const SpacingField& field, const Corners& c) {
+  int level = field.level((1.0f / 3.0f) * (c.p0 + c.p1 + c.p2));
+  for (const Vec3f& corner : {c.p0, c.p1, c.p2}) level = std::min(level, field.level(corner));
+  return level;
+}
+
 /// All triangles of a material, those that are wide against the field in parts: [level].
 std::vector<std::vector<Piece>> make_pieces(const std::vector<Mesh>& meshes, std::uint32_t material,
                                             const SpacingField& field) {
@@ -213,21 +238,41 @@ std::vector<std::vector<Piece>> make_pieces(const std::vector<Mesh>& meshes, std
   std::vector<Piece> open;
   for_triangles(meshes, material, [&](const Corners&, std::uint32_t mesh, std::uint32_t t) {
     open.push_back({.mesh = mesh, .triangle = t});
-    for (std::uint32_t parts = 0; !open.empty();) {
+    while (!open.empty()) {
       const Piece piece = open.back();
       open.pop_back();
       const Corners c = corners(meshes, piece);
-      int level = field.level((1.0f / 3.0f) * (c.p0 + c.p1 + c.p2));
-      if (level > 0 && longest_edge(c) > field.width(level)) {
-        const auto& [a, b, d] = piece.place;
-        const Vec2f ab = 0.5f * (a + b), bd = 0.5f * (b + d), da = 0.5f * (d + a);
-        for (const std::array<Vec2f, 3>& place : {std::array{a, ab, da}, std::array{ab, b, bd},
-                                                  std::array{da, bd, d}, std::array{ab, bd, da}})
-          open.push_back({.mesh = mesh, .triangle = t, .place = place, .part = ++parts});
-        continue;
-      }
-      for (const Vec3f& corner : {c.p0, c.p1, c.p2}) level = std::min(level, field.level(corner));
-      pieces[static_cast<std::size_t>(level)].push_back(piece);
+      const int level = field.level((1.0f / 3.0f) * (c.p0 + c.p1 + c.p2));
+      if (level > 0 && longest_edge(c) > field.width(level))
+        add_quarters(piece, open);
+      else
+        pieces[static_cast<std::size_t>(lowest_level(field, c))].push_back(piece);
+    }
+  });
+  return pieces;
+}
+
+/// Pieces of a material as wide as the field's first level or less, of which those are left out
+/// that do not touch it: wherever that is, each piece that stays is the same.
+std::vector<Piece> make_pieces_of_first_level(const std::vector<Mesh>& meshes,
+                                              std::uint32_t material, const SpacingField& field) {
+  std::vector<Piece> pieces, open;
+  for_triangles(meshes, material, [&](const Corners&, std::uint32_t mesh, std::uint32_t t) {
+    open.push_back({.mesh = mesh, .triangle = t});
+    while (!open.empty()) {
+      const Piece piece = open.back();
+      open.pop_back();
+      const Corners c = corners(meshes, piece);
+      const float wide = longest_edge(c);
+      const int level = field.level((1.0f / 3.0f) * (c.p0 + c.p1 + c.p2));
+      // The first level ends two of its cubes from what is seen along each axis, and what is seen
+      // is a width of the level below this one away, or more.
+      constexpr float reach = 3.5f;
+      if (level > 0 && wide <= field.width(level - 1) - reach * field.width(0)) continue;
+      if (wide > field.width(0))
+        add_quarters(piece, open);
+      else if (lowest_level(field, c) == 0)
+        pieces.push_back(piece);
     }
   });
   return pieces;
@@ -249,15 +294,24 @@ std::vector<SurfaceElement> cut_pieces(const std::vector<Mesh>& meshes, std::vec
   return elements;
 }
 
-/// A maximal Poisson-disk set of the places, taken in random order.
-SeedGrid choose_seeds(const std::vector<Place>& places, float spacing, std::uint64_t seed) {
+/// Elements in random order, in which any two of them come whatever the others are.
+std::vector<std::uint32_t> random_order(const std::vector<SurfaceElement>& elements,
+                                        std::uint64_t seed) {
+  std::vector<std::uint64_t> keys(elements.size());
+  for_each_index(0, keys.size(), [&](std::size_t i) {
+    constexpr std::uint64_t upper_half = 0xffffffff00000000u;
+    keys[i] = ((element_key(elements[i]) ^ seed * 0x9e3779b97f4a7c15u) * 0xbf58476d1ce4e5b9u &
+               upper_half) |
+              i;
+  });
+  std::ranges::sort(keys);
+  return {keys.begin(), keys.end()};
+}
+
+/// A maximal Poisson-disk set of the places, taken in an order.
+SeedGrid choose_seeds(const std::vector<Place>& places, const std::vector<std::uint32_t>& order,
+                      float spacing) {
   const std::size_t count = places.size();
-  std::vector<std::uint32_t> order(count);
-  std::iota(order.begin(), order.end(), 0u);
-  Random random = make_random(seed, 0x5eedce11u);
-  for (std::size_t i = count; i > 1; --i)
-    std::swap(order[i - 1],
-              order[static_cast<std::size_t>(random.uniform() * static_cast<double>(i))]);
   SeedGrid seeds(count / static_cast<std::size_t>(elements_per_cell), seed_distance * spacing);
   // All threads look at a batch; what no earlier seed is near is looked at again, one by one,
   // beside the new seeds of its batch. So the set is that of one thread.
@@ -286,7 +340,7 @@ SurfaceCells make_cells(const std::vector<Mesh>& meshes,
   {
     std::vector<Place> places(count);
     for_each_index(0, count, [&](std::size_t i) { places[i] = place_of(meshes, elements[i]); });
-    const SeedGrid seeds = choose_seeds(places, spacing, seed);
+    const SeedGrid seeds = choose_seeds(places, random_order(elements, seed), spacing);
     for_each_index(0, count, [&](std::size_t i) { owner[i] = seeds.nearest(places[i], false); });
     result.cells.resize(seeds.size());
     for (std::size_t i = 0; i < count; ++i) {
@@ -332,6 +386,14 @@ std::vector<SurfaceCells> make_surface_cells(const std::vector<Mesh>& meshes,
 SurfaceCells make_surface_cells(const std::vector<Mesh>& meshes, std::uint32_t material,
                                 float spacing, std::uint64_t seed) {
   return std::move(make_surface_cells(meshes, material, SpacingField(spacing), seed).front());
+}
+
+SurfaceCells make_surface_cells_of_first_level(const std::vector<Mesh>& meshes,
+                                               std::uint32_t material, const SpacingField& field,
+                                               std::uint64_t seed) {
+  const float spacing = field.spacing(0);
+  auto pieces = make_pieces_of_first_level(meshes, material, field);
+  return make_cells(meshes, cut_pieces(meshes, std::move(pieces), spacing, seed), spacing, seed);
 }
 
 std::vector<double> expected_cells(const std::vector<Mesh>& meshes, std::uint32_t material,

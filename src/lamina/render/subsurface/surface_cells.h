@@ -18,6 +18,9 @@ struct SurfaceElement {
   float area = 0.0f;         ///< [mm²]
 };
 
+/// A number of the element among all, which follows from where it lies on its mesh.
+[[nodiscard]] std::uint64_t element_key(const SurfaceElement& element);
+
 /// A patch of surface: what lies nearer to its seed than to any other.
 struct SurfaceCell {
   Vec3f position;  ///< mean over the patch [mm]
@@ -56,6 +59,14 @@ struct SurfaceCells {
                                                            std::uint32_t material,
                                                            const SpacingField& field,
                                                            std::uint64_t seed);
+
+/// Makes the cells of the field's first level alone, such as lie in no part of the surface that is
+/// further from what is seen. Those that do not touch the end of the level do not depend on where
+/// it ends: fields of the same spacing have them in common, element by element.
+[[nodiscard]] SurfaceCells make_surface_cells_of_first_level(const std::vector<Mesh>& meshes,
+                                                             std::uint32_t material,
+                                                             const SpacingField& field,
+                                                             std::uint64_t seed);
 
 /// About how many cells that makes, level by level.
 [[nodiscard]] std::vector<double> expected_cells(const std::vector<Mesh>& meshes,

@@ -87,16 +87,33 @@ double CorrectedTransport<N>::places_wanted(const Preparation<N>& with) const {
 template <int N>
 float CorrectedTransport<N>::spacing_of_places(const Preparation<N>& with) const {
   double area = 0.0;  // that pixels see, at a slant most of it
-  if (eye_)
-    for (const SurfacePoint& point : with.seen.points[material_]) {
-      const float pixel = point.footprint * with.seen.pixels_between;
-      const Vec3f to_eye = normalize(*eye_ - point.position);
-      const float cosine = std::max(dot(point.geometric_normal, to_eye), least_cosine_of_pixel);
-      area += static_cast<double>(pixel * pixel / cosine);
-    }
+  for (const SurfacePoint& point : with.seen.points[material_]) {
+    if (eyes_.empty()) break;
+    const float pixel = point.footprint * with.seen.pixels_between;
+    const Vec3f to_eye = direction_to_eye(point.position, point.geometric_normal);
+    const float cosine = std::max(dot(point.geometric_normal, to_eye), least_cosine_of_pixel);
+    area += static_cast<double>(pixel * pixel / cosine);
+  }
   const double all = surface_area(scene_.scene->meshes, material_);
   area = area > 0.0 ? std::clamp(area, 1e-8 * all, all) : all;
-  return static_cast<float>(std::sqrt(area / places_wanted(with)));
+  // In steps of a factor of 2, so that cameras that see about as much share their places.
+  const double places_of_all = places_wanted(with) * all / area;
+  return static_cast<float>(std::sqrt(all / std::exp2(std::round(std::log2(places_of_all)))));
+}
+
+template <int N>
+Vec3f CorrectedTransport<N>::direction_to_eye(const Vec3f& position,
+                                              const Vec3f& direction) const {
+  Vec3f nearest = direction;
+  float most = -2.0f;
+  for (const Vec3f& eye : eyes_) {
+    const Vec3f to_eye = normalize(eye - position);
+    const float cosine = dot(to_eye, direction);
+    if (!(cosine > most)) continue;
+    most = cosine;
+    nearest = to_eye;
+  }
+  return nearest;
 }
 
 template <int N>
@@ -111,7 +128,7 @@ SubsurfaceCost CorrectedTransport<N>::expected_cost(const Preparation<N>& with) 
 template <int N>
 bool CorrectedTransport<N>::prepare(const Preparation<N>& with) {
   if (!planar_->prepare(with)) return false;
-  if (!with.cache.is_wanted()) eye_ = to_float(scene_.scene->camera.position);
+  if (!with.cache.is_wanted()) eyes_ = {to_float(scene_.scene->camera.position)};
   if (const LightRatioCloud* kept = with.cache.find_ratios(material_)) {
     use(*kept, with.report);
     return true;
@@ -164,7 +181,7 @@ std::optional<LightRatioCloud> CorrectedTransport<N>::find_ratios(const Preparat
   const typename SampledPlaces<N>::Methods methods{*planar_, *walk_, flat_over_quiet_, ior_,
                                                    bands_};
   const float spacing = spacing_of_places(with);
-  SampledPlaces<N> places(scene_, material_, spacing, methods, with, eye_);
+  SampledPlaces<N> places(scene_, material_, spacing, methods, with, eyes_);
   if (!places.sample(first_samples)) return std::nullopt;
   const double usual = has_layers_ ? usual_noise_in_layers : usual_noise;
   const double effort = std::clamp(places.noise() / usual, 1.0, most_effort);

@@ -70,10 +70,9 @@ class CorrectedTransport final : public SubsurfaceMethod<N> {
   /// Takes ratios that were found. Comes before leaving_radiance.
   void use(const LightRatioCloud& cloud, PreparationReport& report);
 
-  /// To the eye that the ratio is for; where it is for all, as given.
-  [[nodiscard]] Vec3f direction_to_eye(const Vec3f& position, const Vec3f& direction) const {
-    return eye_ ? normalize(*eye_ - position) : direction;
-  }
+  /// The direction to the eye that the ratio is for, of several the nearest to a direction; where
+  /// it is for all, that direction.
+  [[nodiscard]] Vec3f direction_to_eye(const Vec3f& position, const Vec3f& direction) const;
   [[nodiscard]] Bands ratio_at(const DirectionalRatio<N>& ratio,
                                const DirectionTerms& terms) const {
     return evaluate(shape_, terms) * evaluate(ratio, terms);
@@ -86,7 +85,7 @@ class CorrectedTransport final : public SubsurfaceMethod<N> {
   std::unique_ptr<SubsurfaceMethod<N>> planar_, walk_;  ///< the latter until it is prepared
   Bands flat_over_quiet_;     ///< what flat layers reflect over what quiet ones do
   bool has_layers_;           ///< or maps
-  std::optional<Vec3f> eye_;  ///< that the ratio is for; none: for all
+  std::vector<Vec3f> eyes_;   ///< that the ratio is for; none: for all
   PlaceGraph graph_;
   AngularShape<N> shape_{};
   std::vector<DirectionalRatio<N>> ratios_;  ///< [place], over the shape

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "lamina/base/core/parallel_chunks.h"
 #include "lamina/render/geometry/hemisphere.h"
@@ -41,10 +42,10 @@ SurfacePoint point_on(const std::vector<Mesh>& meshes, std::span<const SurfaceEl
 template <int N>
 SampledPlaces<N>::SampledPlaces(const RenderScene& scene, std::uint32_t material, float spacing,
                                 const Methods& methods, const Preparation<N>& with,
-                                std::optional<Vec3f> eye)
-    : scene_(scene), methods_(methods), with_(with), eye_(eye) {
+                                std::vector<Vec3f> eyes)
+    : scene_(scene), methods_(methods), with_(with), eyes_(std::move(eyes)) {
   const auto& seen = with.seen.points[material];
-  const bool is_all_seen = !eye || seen.empty();
+  const bool is_all_seen = eyes_.empty() || seen.empty();
   std::vector<Vec3f> positions;
   std::vector<PointGrid::Place> places;
   for (const SurfacePoint& point : seen) {
@@ -52,9 +53,10 @@ SampledPlaces<N>::SampledPlaces(const RenderScene& scene, std::uint32_t material
     places.push_back({point.position, point.smooth_normal});
   }
   const auto& meshes = scene.scene->meshes;
-  const SpacingField field =
-      is_all_seen ? SpacingField(spacing) : SpacingField(positions, spacing, 0.0f);
-  surface_ = std::move(make_surface_cells(meshes, material, field, scene.settings.seed)[0]);
+  const std::uint64_t seed = scene.settings.seed;
+  surface_ = is_all_seen ? make_surface_cells(meshes, material, spacing, seed)
+                         : make_surface_cells_of_first_level(
+                               meshes, material, SpacingField(positions, spacing, 0.0f), seed);
   const ZonesByCreases zones(meshes, material, spacing);
   const PointGrid in_sight(places, reach_of_sight * spacing),
       of_use(places, reach_of_use * spacing);
@@ -64,6 +66,7 @@ SampledPlaces<N>::SampledPlaces(const RenderScene& scene, std::uint32_t material
     };
     if (!is_near(of_use)) continue;
     cells_.push_back(&cell);
+    keys_.push_back(static_cast<std::uint32_t>(element_key(surface_.elements_of(cell).front())));
     places_.push_back({{cell.position, cell.normal}, spacing, zones.at(cell.position)});
     areas_.push_back(is_near(in_sight) ? cell.area : 0.0f);
   }
@@ -74,7 +77,7 @@ SampledPlaces<N>::SampledPlaces(const RenderScene& scene, std::uint32_t material
 template <int N>
 float SampledPlaces<N>::planar_light(std::size_t place) const {
   const SurfaceCell& cell = *cells_[place];
-  PixelSamples random(scene_.settings.seed, static_cast<std::uint32_t>(place), 0);
+  PixelSamples random(scene_.settings.seed, keys_[place], 0);
   const SurfacePoint point = point_on(scene_.scene->meshes, surface_.elements_of(cell), cell.area,
                                       0.5f, std::sqrt(cell.area));
   const BandValues<N> radiance = methods_.planar.leaving_radiance(
@@ -85,22 +88,36 @@ float SampledPlaces<N>::planar_light(std::size_t place) const {
 }
 
 template <int N>
+Vec3f SampledPlaces<N>::direction_of_sample(const SurfacePoint& point, std::size_t number,
+                                            PixelSamples& random) const {
+  if (eyes_.empty())
+    return make_frame(point.smooth_normal).to_world(sample_cosine_hemisphere(random.next_2d()));
+  // Pairs of samples, one of each half, take turns with the eyes that see the point.
+  const auto sees = [&](const Vec3f& eye) {
+    return dot(eye - point.position, point.smooth_normal) > 0.0f;
+  };
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(eyes_, sees));
+  std::size_t left = count > 0 ? number / 2 % count : 0;
+  const auto eye =
+      std::ranges::find_if(eyes_, [&](const Vec3f& e) { return sees(e) && left-- == 0; });
+  return normalize((eye != eyes_.end() ? *eye : eyes_.front()) - point.position);
+}
+
+template <int N>
 void SampledPlaces<N>::add_sample(std::size_t place) {
   const std::size_t s = samples_[place].size();
   const Scene& scene = *scene_.scene;
   const SurfaceCell& cell = *cells_[place];
-  PixelSamples random(scene_.settings.seed + 0x2c1b3c6du, static_cast<std::uint32_t>(place),
+  PixelSamples random(scene_.settings.seed + 0x2c1b3c6du, keys_[place],
                       static_cast<std::uint32_t>(s));
   const SurfacePoint point =
       point_on(scene.meshes, surface_.elements_of(cell), cell.area, random.next_1d(),
                std::sqrt(cell.area) / samples_of_footprint);
-  const Vec3f direction =
-      eye_ ? normalize(*eye_ - point.position)
-           : make_frame(point.smooth_normal).to_world(sample_cosine_hemisphere(random.next_2d()));
+  const Vec3f direction = direction_of_sample(point, s, random);
   const float cosine = dot(direction, point.smooth_normal);
   WalkedSample<N> sample{.terms = direction_terms_of(direction, point.smooth_normal, methods_.ior)};
   float exitance = 0.0f;
-  if (eye_) sample.weight = std::max(cosine, 0.0f);  // the picture's mean
+  if (!eyes_.empty()) sample.weight = std::max(cosine, 0.0f);  // the picture's mean
   if (cosine > 0.0f && dot(direction, point.geometric_normal) > 0.0f) {
     const SurfaceBoundary boundary = boundary_at(scene_, point);
     const ExitPoint exit{point, boundary, cosine, direction};
@@ -108,8 +125,8 @@ void SampledPlaces<N>::add_sample(std::size_t place) {
     sample.planar = cell.area * methods_.planar.leaving_radiance(exit, with_.light, random);
     // What comes straight through is no light that changes slowly with the direction.
     sample.walked = cell.area * methods_.walk_scale *
-                    (eye_ ? methods_.walk.leaving_radiance(exit, with_.light, random)
-                          : methods_.walk.scattered_radiance(exit, with_.light, random));
+                    (eyes_.empty() ? methods_.walk.scattered_radiance(exit, with_.light, random)
+                                   : methods_.walk.leaving_radiance(exit, with_.light, random));
   }
   samples_[place].push_back(sample);
   exitances_[place].push_back(exitance);

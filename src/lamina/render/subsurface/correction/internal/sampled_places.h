@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "lamina/render/subsurface/correction/internal/correction_fit.h"
@@ -15,9 +14,12 @@
 namespace lamina {
 
 /// Places on the surface of a material, and samples of the light that leaves around them: by a
-/// method of walks and by a planar one. For an eye the places are those that it sees, and some
-/// around them, and the samples are of the light that leaves towards it; else places are all over
-/// the surface and samples in all directions.
+/// method of walks and by a planar one. For eyes the places are those that they see, and some
+/// around them, and the samples are of the light that leaves towards them; else places are
+/// all over the surface and samples in all directions.
+///
+/// A place follows from where it is on the mesh, and the random numbers of its samples from the
+/// place: of a camera that has turned by a little most places are the same, and their walks nearly.
 template <int N>
 class SampledPlaces {
  public:
@@ -30,9 +32,9 @@ class SampledPlaces {
 
   /// @param scene, methods, with  must outlive this
   /// @param spacing  of the places [mm], > 0
-  /// @param eye      that the places are for; none: for all
+  /// @param eyes     that the places are for; none: for all
   SampledPlaces(const RenderScene& scene, std::uint32_t material, float spacing,
-                const Methods& methods, const Preparation<N>& with, std::optional<Vec3f> eye);
+                const Methods& methods, const Preparation<N>& with, std::vector<Vec3f> eyes);
 
   /// Samples until there are about so many at a place that is seen: fewer in the dark and more
   /// where it is bright, as the root of the light. So what is wrong is nearly even over the
@@ -49,6 +51,8 @@ class SampledPlaces {
   [[nodiscard]] float exitance_of_mean(float fraction) const;
 
   [[nodiscard]] const std::vector<PlaceGraph::Place>& places() const { return places_; }
+  /// A number of each place, which follows from where it is on its mesh.
+  [[nodiscard]] const std::vector<std::uint32_t>& keys() const { return keys_; }
   /// Area of each place [mm²]; 0 of one that is not seen.
   [[nodiscard]] const std::vector<float>& areas() const { return areas_; }
   [[nodiscard]] std::size_t sample_count() const;
@@ -76,15 +80,19 @@ class SampledPlaces {
   [[nodiscard]] float planar_light(std::size_t place) const;
   /// Adds one, as if it stood for all of the place.
   void add_sample(std::size_t place);
+  /// Towards an eye that sees the point, or in any direction if there are no eyes.
+  [[nodiscard]] Vec3f direction_of_sample(const SurfacePoint& point, std::size_t number,
+                                          PixelSamples& random) const;
 
   const RenderScene& scene_;
   const Methods& methods_;
   const Preparation<N>& with_;
-  std::optional<Vec3f> eye_;
+  std::vector<Vec3f> eyes_;
   SurfaceCells surface_;
   std::vector<PlaceGraph::Place> places_;
   std::vector<float> areas_;
   std::vector<const SurfaceCell*> cells_;              ///< [place]
+  std::vector<std::uint32_t> keys_;                    ///< [place]
   std::vector<double> shares_;                         ///< [place], of samples over their mean
   std::vector<std::vector<WalkedSample<N>>> samples_;  ///< [place]
   std::vector<std::vector<float>> exitances_;  ///< that leaves as 1 of exitance: of each sample
