@@ -130,24 +130,6 @@ double illuminant_a(double wavelength) {
 
 std::span<const ColorMatchingRow> color_matching_table() { return table; }
 
-std::array<double, 3> color_matching(double wavelength) {
-  if (!(wavelength >= first_wavelength && wavelength <= last_wavelength)) return {};
-  // Lagrange's cubic through rows start ... start + 3, the wavelength in the middle if it can be.
-  const std::size_t start = std::clamp<std::size_t>(row_below(wavelength), 1, table.size() - 3) - 1;
-  const double t = (wavelength - table[start].wavelength) / step;
-  const std::array<double, 4> weights = {
-      -(t - 1.0) * (t - 2.0) * (t - 3.0) / 6.0, t * (t - 2.0) * (t - 3.0) / 2.0,
-      -t * (t - 1.0) * (t - 3.0) / 2.0, t * (t - 1.0) * (t - 2.0) / 6.0};
-  std::array<double, 3> result{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const ColorMatchingRow& row = table[start + i];
-    result[0] += weights[i] * row.x;
-    result[1] += weights[i] * row.y;
-    result[2] += weights[i] * row.z;
-  }
-  return result;
-}
-
 double illuminant_power(Illuminant illuminant, double wavelength) {
   switch (illuminant) {
     case Illuminant::equal_energy:

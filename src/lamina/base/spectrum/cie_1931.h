@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <span>
 
 namespace lamina {
@@ -22,11 +21,6 @@ struct ColorMatchingRow {
 
 /// Source: [CIE015] Tables 1 (D65) and 4 (observer), the rows of which are 5 nm apart; from 360 nm.
 [[nodiscard]] std::span<const ColorMatchingRow> color_matching_table();
-
-/// The CIE 1931 2 degree observer at any wavelength [nm], 0 outside [360, 830].
-///
-/// Cubic through the four nearest rows; within 2e-3 of the 1 nm table of the CIE.
-[[nodiscard]] std::array<double, 3> color_matching(double wavelength);
 
 /// Relative power per nm of an illuminant at a wavelength [nm] in [300, 830], 100 at 560 nm.
 ///

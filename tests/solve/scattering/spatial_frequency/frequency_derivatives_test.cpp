@@ -42,7 +42,7 @@ constexpr int nodes = 5, modes = 3;
 
 detail::FrequencyResponse respond(const LayerStack& stack, Illumination illumination, double k) {
   const auto solver = detail::make_frequency_solver(stack, nodes, modes);
-  return illumination == Illumination::diffuse ? detail::diffuse_response(solver, k)
+  return illumination == Illumination::diffuse ? detail::diffuse_responses(solver, {&k, 1}).front()
                                                : detail::response(solver, k);
 }
 

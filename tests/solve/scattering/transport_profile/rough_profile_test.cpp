@@ -15,6 +15,7 @@
 #include "lamina/solve/scattering/spatial_frequency/frequency_response.h"
 #include "lamina/solve/scattering/spatial_frequency/rough_inside.h"
 #include "lamina/solve/scattering/transport_profile/transfer_profile.h"
+#include "literal/spectral_reflection.h"
 
 namespace lamina {
 namespace {
@@ -74,7 +75,7 @@ TEST(RoughProfile, WavesRetraceTheirWay) {
   }
   EXPECT_LT(of_boundary, 2e-3);
   for (const double k : {0.5, 20.0}) {
-    const auto reflection = detail::spectral_reflection(solver, k);
+    const auto reflection = reference::spectral_reflection(solver, k);
     const detail::Matrix& m = reflection.matrix;
     double off = 0.0, between_parities = 0.0;
     for (std::size_t i = 0; i < m.rows; ++i)

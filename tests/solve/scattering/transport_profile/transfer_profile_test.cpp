@@ -19,6 +19,7 @@
 #include "lamina/solve/scattering/spatial_frequency/frequency_spectrum.h"
 #include "lamina/solve/scattering/transport_profile/internal/transfer_profile_cost.h"
 #include "lamina/solve/scattering/transport_profile/spatial_frequency_response.h"
+#include "literal/spectral_reflection.h"
 #include "literal/stack_table.h"
 
 namespace lamina {
@@ -70,7 +71,7 @@ TEST(FrequencyResponse, IsReciprocal) {
         std::array{direction_in(stack.ior_above(), 0.3), direction_in(stack.ior_above(), 0.9)});
     const auto& etendue = solver.stack.grid.etendue;
     for (const double k : {0.0, 2.0, 50.0}) {
-      const auto reflection = detail::spectral_reflection(solver, k);
+      const auto reflection = reference::spectral_reflection(solver, k);
       double largest = 0.0;  // difference of what leaves per solid angle
       for (std::size_t a = 0; a < reflection.mode.size(); ++a)
         for (std::size_t b = 0; b < a; ++b) {

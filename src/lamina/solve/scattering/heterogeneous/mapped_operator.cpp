@@ -242,17 +242,6 @@ PlaneOf<T> absorption_coordinate(const PlaneOf<T>& sigma_a, const AbsorptionRang
 template Plane absorption_coordinate(const Plane&, const AbsorptionRange&);
 template PlaneOf<double> absorption_coordinate(const PlaneOf<double>&, const AbsorptionRange&);
 
-MappedOperator make_mapped_operator(const StackTables& tables, const GaussianTable& table,
-                                    const AbsorptionRange& range, std::span<const double> scales,
-                                    double tolerance) {
-  const double low = std::sqrt(range.lowest), high = std::sqrt(range.highest);
-  const auto weights_of = [&](double x) {
-    const double root = 0.5 * (low + high) + 0.5 * (high - low) * x;
-    return weights_at(tables, table, root * root);
-  };
-  return detail::fit_powers(weights_of, tables.variances, scales, tolerance);
-}
-
 TransportLayer make_transport_layer(const StackTables& tables, std::size_t i,
                                     const LayerTexels& texels, int width, int height,
                                     std::span<const double> scales, double tolerance,

@@ -26,17 +26,6 @@ template <class T>
 [[nodiscard]] PlaneOf<T> absorption_coordinate(const PlaneOf<T>& sigma_a,
                                                const AbsorptionRange& range);
 
-/// A table's operator over a range of absorptions, its weights as polynomials of the coordinate: of
-/// the least degree that keeps the error of the transform below `tolerance` times the largest total
-/// in the range.
-///
-/// @param scales  of the table's Gaussians, as scales_of_gaussians gives them.
-[[nodiscard]] MappedOperator make_mapped_operator(const StackTables& tables,
-                                                  const GaussianTable& table,
-                                                  const AbsorptionRange& range,
-                                                  std::span<const double> scales,
-                                                  double tolerance = 5e-5);
-
 /// A layer over a surface: its operators, and the functions of the texel that their weights are
 /// sums of.
 template <class T>

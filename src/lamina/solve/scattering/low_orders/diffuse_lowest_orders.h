@@ -28,7 +28,7 @@ struct StraightLight {
 
 /// Lowest orders of diffuse light from above on one point, or of a beam that a rough top spreads:
 /// light not scattered or scattered once and otherwise not reflected, over the plan's radii: all
-/// that `diffuse_response` has beyond `unscattered_response` and `diffuse_single_on_grid` comes on
+/// that `diffuse_responses` has beyond `unscattered_response` and `diffuse_single_on_grid` comes on
 /// top.
 ///
 /// @param on_grid  the same stack on the grid of those, above rough boundaries inside.

@@ -40,7 +40,7 @@ struct DiffuseSingle {
 [[nodiscard]] FrequencyResponse single_response(const DiffuseSingle& single, double k);
 
 /// Single scattering as all orders have it on a grid, with the azimuths that the modes can tell
-/// apart: what is to be taken out of `diffuse_response`.
+/// apart: what is to be taken out of `diffuse_responses`.
 [[nodiscard]] FrequencyResponse diffuse_single_on_grid(const FrequencySolver& solver, double k);
 
 }  // namespace lamina::detail

@@ -54,17 +54,6 @@ double aside(const GridStack& stack, const UnscatteredPath& path, double p) {
   return x;
 }
 
-/// How fast `aside` grows with p.
-double aside_slope(const GridStack& stack, const UnscatteredPath& path, double p) {
-  double slope = 0.0;
-  for (std::size_t l = 0; l < stack.layers.size(); ++l) {
-    const double cos = ray_cos(p, stack.layers[l].ior);
-    if (path.passes[l] > 0)
-      slope += path.passes[l] * stack.layers[l].thickness / (stack.layers[l].ior * cos * cos * cos);
-  }
-  return slope;
-}
-
 /// p in [0, highest] at which a growing distance(p) reaches x, which it does.
 template <class Distance>
 double p_where(const Distance& distance, double highest, double x) {
@@ -83,15 +72,6 @@ double flux_per_p(const FrequencySolver& solver, const UnscatteredPath& path, do
   if (solver.top.is_rough)
     flux *= solver.top.in_at(p) * (path.crossings[0] > 1 ? solver.top.out_at(p) : 1.0);
   return flux * 2.0 * p / (stack.ior[0] * stack.ior[0]);
-}
-
-double unscattered_density(const FrequencySolver& solver, const UnscatteredPath& path, double r) {
-  const GridStack& stack = solver.stack;
-  const double highest = widest(stack);
-  const auto distance = [&](double p) { return aside(stack, path, p); };
-  if (distance(highest) <= r) return 0.0;
-  const double p = p_where(distance, highest, r);
-  return flux_per_p(solver, path, p) / aside_slope(stack, path, p) / (2.0 * pi * r);
 }
 
 /// Mean density between two radii.
@@ -207,15 +187,6 @@ FrequencyResponse unscattered_response(const FrequencySolver& solver,
     (path.is_up ? result.reflectance : result.transmittance) += sum;
   }
   return result;
-}
-
-SingleScatteringProfile unscattered_profile(const FrequencySolver& solver,
-                                            const std::vector<UnscatteredPath>& paths, double r) {
-  SingleScatteringProfile profile;
-  for (const UnscatteredPath& path : paths)
-    (path.is_up ? profile.reflectance : profile.transmittance) +=
-        unscattered_density(solver, path, r);
-  return profile;
 }
 
 SingleScatteringProfile unscattered_ring(const FrequencySolver& solver,

@@ -29,13 +29,8 @@ struct UnscatteredPath {
                                                      const std::vector<UnscatteredPath>& paths,
                                                      double k);
 
-/// Unscattered light at distance r [mm] > 0 from that point [1/mm²].
-[[nodiscard]] SingleScatteringProfile unscattered_profile(const FrequencySolver& solver,
-                                                          const std::vector<UnscatteredPath>& paths,
-                                                          double r);
-
-/// The mean of that between two radii: where light ends at a radius, or crowds before it, radii of
-/// a grid miss it.
+/// Mean of unscattered light between two distances [mm] from that point [1/mm²]: where light ends
+/// at a radius, or crowds before it, radii of a grid miss it.
 [[nodiscard]] SingleScatteringProfile unscattered_ring(const FrequencySolver& solver,
                                                        const std::vector<UnscatteredPath>& paths,
                                                        double begin, double end);

@@ -16,9 +16,9 @@ struct FrequencyDerivatives {
   std::vector<LayerDerivatives> reflectance, transmittance;  ///< [layer]
 };
 
-/// `response` or `diffuse_response` and its derivatives: doubling differentiated in forward mode by
-/// three parameters of each layer, thickness by one more thin slice, and the stack by reciprocity.
-/// Differentiates the solution on the grid, to rounding.
+/// `response` or `diffuse_responses` and its derivatives: doubling differentiated in forward mode
+/// by three parameters of each layer, thickness by one more thin slice, and the stack by
+/// reciprocity. Differentiates the solution on the grid, to rounding.
 [[nodiscard]] FrequencyDerivatives response_derivatives(const DifferentiatedSolver& differentiated,
                                                         Illumination illumination, double k);
 

@@ -11,10 +11,6 @@
 namespace lamina::detail {
 namespace {
 
-StackAtFrequency stack_at_frequency(const FrequencySolver& solver, double k) {
-  return stacks_at(solver, {&k, 1}).front();
-}
-
 std::vector<FrequencyResponse> responses_to(const FrequencySolver& solver,
                                             Illumination illumination,
                                             std::span<const double> frequencies) {
@@ -36,11 +32,6 @@ FrequencyResponse response(const FrequencySolver& solver, double k) {
   return responses(solver, {&k, 1}).front();
 }
 
-SpectralReflection spectral_reflection(const FrequencySolver& solver, double k) {
-  FrequencyStates states = make_states(solver, solver.stack.ior.front());
-  return {stack_at_frequency(solver, k).reflection, std::move(states.mode), std::move(states.node)};
-}
-
 std::vector<std::vector<FrequencyResponse>> oblique_responses(const FrequencySolver& solver,
                                                               std::span<const double> frequencies) {
   const FrequencyStates outside = make_states(solver, solver.stack.ior.front());
@@ -59,10 +50,6 @@ std::vector<std::vector<FrequencyResponse>> oblique_responses(const FrequencySol
 std::vector<FrequencyResponse> diffuse_responses(const FrequencySolver& solver,
                                                  std::span<const double> frequencies) {
   return responses_to(solver, Illumination::diffuse, frequencies);
-}
-
-FrequencyResponse diffuse_response(const FrequencySolver& solver, double k) {
-  return diffuse_responses(solver, {&k, 1}).front();
 }
 
 }  // namespace lamina::detail

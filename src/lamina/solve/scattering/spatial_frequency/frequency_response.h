@@ -22,10 +22,9 @@ struct FrequencyResponse {
 [[nodiscard]] std::vector<FrequencyResponse> responses(const FrequencySolver& solver,
                                                        std::span<const double> frequencies);
 
-/// Response to diffuse light that falls on the top as a wave, equal radiance from all of the
+/// Responses to diffuse light that falls on the top as a wave, equal radiance from all of the
 /// hemisphere: fractions of its flux. With the light that finds its way unscattered; only what the
 /// top surface mirrors is left out.
-[[nodiscard]] FrequencyResponse diffuse_response(const FrequencySolver& solver, double k);
 [[nodiscard]] std::vector<FrequencyResponse> diffuse_responses(const FrequencySolver& solver,
                                                                std::span<const double> frequencies);
 
@@ -35,16 +34,6 @@ struct FrequencyResponse {
 /// is the response with azimuth averaged.
 [[nodiscard]] std::vector<std::vector<FrequencyResponse>> oblique_responses(
     const FrequencySolver& solver, std::span<const double> frequencies);
-
-/// Reflection of the whole stack between the states outside above: the spectral BSSRDF on the grid
-/// and its beams. Columns hold flux over the square root of the node's etendue, in which
-/// reciprocity makes the matrix symmetric up to the sign of the odd modes.
-struct SpectralReflection {
-  Matrix matrix;
-  std::vector<int> mode;          ///< [state]
-  std::vector<std::size_t> node;  ///< [state]
-};
-[[nodiscard]] SpectralReflection spectral_reflection(const FrequencySolver& solver, double k);
 
 /// Light scattered once, all its reflections before and after included, on the same grid: what is
 /// taken out of `response` to be put in exactly over radius.

@@ -20,7 +20,7 @@ namespace lamina::detail {
 /// scattered once has more directions.
 class ScaledSolver {
  public:
-  /// @param flux  what leaves without waves, as `response` or `diffuse_response` has it.
+  /// @param flux  what leaves without waves, as `response` or `diffuse_responses` has it.
   ScaledSolver(const LayerStack& stack, int nodes, int modes, Illumination illumination,
                const FrequencyResponse& flux);
 

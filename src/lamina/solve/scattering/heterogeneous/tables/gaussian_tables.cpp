@@ -160,11 +160,6 @@ void correct_profile(std::vector<LayerSpectra>& spectra, std::span<const StateLa
 
 }  // namespace
 
-double row_absorption(const GaussianTableGrid& grid, double row) {
-  return grid.lowest *
-         std::pow(grid.highest / grid.lowest, row / static_cast<double>(grid.rows - 1));
-}
-
 StateLattice lattice_of(const MappedLayer& layer, const GaussianTableGrid& grid) {
   return layer.states.value_or(absorption_lattice({.sigma_a = grid.lowest,
                                                    .sigma_s = layer.sigma_s,

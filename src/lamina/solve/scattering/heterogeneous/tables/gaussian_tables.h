@@ -46,9 +46,6 @@ struct GaussianTableGrid {
   friend bool operator==(const GaussianTableGrid&, const GaussianTableGrid&) = default;
 };
 
-/// Absorption of a row [1/mm].
-[[nodiscard]] double row_absorption(const GaussianTableGrid& grid, double row);
-
 /// The states at which a layer is solved: its own, or all absorptions of a grid.
 [[nodiscard]] StateLattice lattice_of(const MappedLayer& layer, const GaussianTableGrid& grid);
 
