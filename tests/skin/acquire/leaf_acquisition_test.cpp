@@ -10,7 +10,7 @@
 #include "lamina/base/io/json_input.h"
 #include "lamina/skin/acquire/files/capture_file.h"
 #include "lamina/skin/acquire/files/leaf_files.h"
-#include "lamina/skin/maps/material_maps.h"
+#include "lamina/skin/maps/files/material_map_file.h"
 #include "lamina/solve/reflectance/leaf_totals_table.h"
 
 namespace lamina {

@@ -14,7 +14,7 @@
 #include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/json_input.h"
 #include "lamina/layers/materials/leaf.h"
-#include "lamina/skin/maps/material_maps.h"
+#include "lamina/skin/maps/files/material_map_file.h"
 #include "lamina/skin/maps/files/skin_maps_file.h"
 #include "lamina/skin/maps/skin_features.h"
 

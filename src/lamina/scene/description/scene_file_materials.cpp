@@ -10,6 +10,7 @@
 #include "lamina/layers/materials/builtin_texts.h"
 #include "lamina/layers/materials/material_file.h"
 #include "lamina/scene/description/internal/scene_file.h"
+#include "lamina/skin/maps/files/material_map_file.h"
 
 namespace lamina::scene_file {
 namespace {

@@ -1,4 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/skin/maps/files/material_map_file.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <string_view>
@@ -11,7 +13,6 @@
 #include "lamina/base/image/map_description.h"
 #include "lamina/base/io/nearest_name.h"
 #include "lamina/layers/materials/material_file.h"
-#include "lamina/skin/maps/material_maps.h"
 
 namespace lamina {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "lamina/base/io/json_input.h"
 #include "lamina/layers/materials/material_file.h"
-#include "lamina/skin/maps/material_maps.h"
+#include "lamina/skin/maps/files/material_map_file.h"
 
 namespace lamina {
 

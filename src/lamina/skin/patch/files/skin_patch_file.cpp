@@ -11,8 +11,8 @@
 #include "lamina/base/image/files/image_file.h"
 #include "lamina/base/image/resample.h"
 #include "lamina/base/io/json_input.h"
+#include "lamina/skin/maps/files/material_map_file.h"
 #include "lamina/skin/maps/files/skin_maps_file.h"
-#include "lamina/skin/maps/material_maps.h"
 
 namespace lamina {
 namespace {

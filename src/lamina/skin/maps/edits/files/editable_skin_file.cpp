@@ -14,7 +14,7 @@
 #include "lamina/base/io/json_input.h"
 #include "lamina/base/io/write_places.h"
 #include "lamina/skin/fit/skin/number_unit.h"
-#include "lamina/skin/maps/material_maps.h"
+#include "lamina/skin/maps/files/material_map_file.h"
 #include "lamina/skin/patch/files/skin_patch_file.h"
 
 namespace lamina {
