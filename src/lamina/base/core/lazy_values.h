@@ -4,7 +4,10 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <utility>
 
 namespace lamina {
 
@@ -41,6 +44,34 @@ class LazyValues {
     return value;
   }
   std::unique_ptr<Cell[]> cells_;
+};
+
+/// The last values of a slow function that depends on nothing but its key, from any thread: for
+/// what bands, variants and scenes of a process ask for again and again.
+template <class Key, class Value>
+class KeptValues {
+ public:
+  /// @param most  values that are kept; one more, and all are forgotten
+  explicit KeptValues(std::size_t most) : most_(most) {}
+
+  /// @param make  makes the value; two threads that ask at once both may
+  template <class Make>
+  [[nodiscard]] Value at(const Key& key, const Make& make) {
+    {
+      const std::scoped_lock lock(mutex_);
+      if (const auto found = values_.find(key); found != values_.end()) return found->second;
+    }
+    Value value = make();
+    const std::scoped_lock lock(mutex_);
+    if (values_.size() >= most_) values_.clear();
+    values_.emplace(key, value);
+    return value;
+  }
+
+ private:
+  std::size_t most_;
+  std::mutex mutex_;
+  std::map<Key, Value> values_;
 };
 
 }  // namespace lamina

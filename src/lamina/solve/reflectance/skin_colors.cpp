@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "lamina/base/core/lazy_values.h"
 #include "lamina/solve/scattering/diffusion/layered_diffusion.h"
 #include "lamina/solve/scattering/diffusion/multipole.h"
 #include "lamina/solve/scattering/profile/layer_response.h"
@@ -62,9 +63,7 @@ std::vector<std::array<double, 3>> solve(std::vector<std::vector<double>> a,
   return b;
 }
 
-}  // namespace
-
-BandWeights make_skin_band_weights(const BandSet& bands, const SkinParameters& skin) {
+BandWeights fitted_weights(const BandSet& bands, const SkinParameters& skin) {
   BandWeights weights = make_band_weights(bands);
   const std::size_t size = bands.size();
   if (bands.is_rgb() || size < 3 || size > 24) return weights;
@@ -97,6 +96,32 @@ BandWeights make_skin_band_weights(const BandSet& bands, const SkinParameters& s
       weights[n][c] -= change[i][c];
     }
   return weights;
+}
+
+/// Numbers that tell skins apart.
+std::vector<double> numbers_of(const SkinParameters& skin) {
+  std::vector<double> numbers;
+  for (const SkinParameterRange& range : skin_parameter_ranges())
+    numbers.push_back(skin.*range.value);
+  const auto add = [&](const std::vector<std::array<double, 2>>& spectrum) {
+    numbers.push_back(static_cast<double>(spectrum.size()));
+    for (const auto& [nm, factor] : spectrum) numbers.insert(numbers.end(), {nm, factor});
+  };
+  add(skin.junction_spectrum);
+  for (const SkinInk& ink : skin.inks) {
+    numbers.push_back(ink.absorbance);
+    add(ink.spectrum);
+  }
+  return numbers;
+}
+
+}  // namespace
+
+BandWeights make_skin_band_weights(const BandSet& bands, const SkinParameters& skin) {
+  static KeptValues<std::array<std::vector<double>, 2>, BandWeights> kept(16);
+  return kept.at({std::vector(bands.wavelengths().begin(), bands.wavelengths().end()),
+                  numbers_of(training_skin(skin, 0))},
+                 [&] { return fitted_weights(bands, skin); });
 }
 
 }  // namespace lamina

@@ -1,6 +1,9 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/layers/optics/rough/interface_reflectance.h"
 
+#include <tuple>
+
+#include "lamina/base/core/lazy_values.h"
 #include "lamina/base/core/parallel.h"
 #include "lamina/layers/optics/rough/facet_lattice.h"
 #include "lamina/layers/optics/rough/multiple_scattering.h"
@@ -88,10 +91,8 @@ double interpolate(const std::vector<double>& values, double cos_i) {
   return (1.0 - t) * values[i] + t * values[i + 1];
 }
 
-}  // namespace
-
-InterfaceReflectance make_interface_reflectance(const RoughInterface<double>& interface,
-                                                FacetMasking masking) {
+InterfaceReflectance integrated_reflectance(const RoughInterface<double>& interface,
+                                            FacetMasking masking) {
   const bool is_smooth = is_specular(interface);
   InterfaceReflectance table;
   table.reflectance.resize(cosines);
@@ -109,6 +110,16 @@ InterfaceReflectance make_interface_reflectance(const RoughInterface<double>& in
   table.diffuse_transmittance =
       is_smooth ? 1.0 - table.diffuse_reflectance : cosine_mean(table.transmittance);
   return table;
+}
+
+}  // namespace
+
+InterfaceReflectance make_interface_reflectance(const RoughInterface<double>& interface,
+                                                FacetMasking masking) {
+  using Key = std::tuple<double, MicrofacetDistribution, double, FacetMasking>;
+  static KeptValues<Key, InterfaceReflectance> kept(64);
+  return kept.at({interface.facets.alpha, interface.facets.distribution, interface.eta, masking},
+                 [&] { return integrated_reflectance(interface, masking); });
 }
 
 double reflectance(const InterfaceReflectance& table, double cos_i) {

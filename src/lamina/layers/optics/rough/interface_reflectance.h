@@ -23,7 +23,8 @@ struct InterfaceReflectance {
   double diffuse_transmittance;
 };
 
-/// Integrates the BRDF and BTDF of an interface over their hemispheres.
+/// Integrates the BRDF and BTDF of an interface over their hemispheres: up to half a second where
+/// it is rough, so that the last ones are kept.
 ///
 /// With Smith's masking the two add up to less than 1, since light that meets several facets is
 /// left out. With v_cavity, as [DonnerJensen2005] Eqs. 23-26 want, all that is not reflected counts

@@ -4,33 +4,16 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <map>
-#include <mutex>
-#include <tuple>
 
 #include "lamina/layers/optics/rough/interface_reflectance.h"
 
 namespace lamina {
 namespace {
 
-/// A table costs up to half a second, and the bands and variants of a material ask for the same one
-/// again and again. So the last few are kept: they depend on nothing but the key.
 InterfaceReflectance table_of(const Interface& boundary, double ior_before, double ior_beyond,
                               FacetMasking masking) {
-  using Key = std::tuple<double, MicrofacetDistribution, double, FacetMasking>;
-  static std::mutex mutex;
-  static std::map<Key, InterfaceReflectance> tables;
-  const Key key(boundary.roughness, boundary.distribution, ior_beyond / ior_before, masking);
-  {
-    const std::scoped_lock lock(mutex);
-    if (const auto found = tables.find(key); found != tables.end()) return found->second;
-  }
-  InterfaceReflectance table = make_interface_reflectance(
-      make_rough_interface<double>(boundary, ior_before, ior_beyond), masking);
-  const std::scoped_lock lock(mutex);
-  if (tables.size() >= 64) tables.clear();
-  tables.emplace(key, table);
-  return table;
+  return make_interface_reflectance(make_rough_interface<double>(boundary, ior_before, ior_beyond),
+                                    masking);
 }
 
 bool is_smooth(const Interface& boundary) { return boundary.roughness == 0.0; }

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <tuple>
 
 #include "lamina/base/core/error.h"
+#include "lamina/base/core/lazy_values.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/solve/scattering/profile/internal/correlation_kernel.h"
 
@@ -83,19 +85,7 @@ void check(const RadialGrid& grid) {
   throw InvalidInput(message.str());
 }
 
-}  // namespace
-
-std::vector<double> radii(const RadialGrid& grid) {
-  check(grid);
-  std::vector<double> r(grid.size);
-  const double step = std::log(grid.last / grid.first) / static_cast<double>(grid.size - 1);
-  for (std::size_t i = 0; i < grid.size; ++i)
-    r[i] = grid.first * std::exp(step * static_cast<double>(i));
-  r.back() = grid.last;
-  return r;
-}
-
-HankelPlan make_hankel_plan(const RadialGrid& grid) {
+HankelPlan new_plan(const RadialGrid& grid) {
   HankelPlan plan;
   plan.r = radii(grid);
   const double r_step = std::log(grid.last / grid.first) / static_cast<double>(grid.size - 1);
@@ -112,6 +102,23 @@ HankelPlan make_hankel_plan(const RadialGrid& grid) {
   const auto size = static_cast<std::size_t>((log_last_kr - y_first) / step) + plan.k_stride;
   plan.kernel = band_limited_kernel(y_first, step, size, pi / plan.k_step);
   return plan;
+}
+
+}  // namespace
+
+std::vector<double> radii(const RadialGrid& grid) {
+  check(grid);
+  std::vector<double> r(grid.size);
+  const double step = std::log(grid.last / grid.first) / static_cast<double>(grid.size - 1);
+  for (std::size_t i = 0; i < grid.size; ++i)
+    r[i] = grid.first * std::exp(step * static_cast<double>(i));
+  r.back() = grid.last;
+  return r;
+}
+
+HankelPlan make_hankel_plan(const RadialGrid& grid) {
+  static KeptValues<std::tuple<double, double, std::size_t>, HankelPlan> kept(16);
+  return kept.at({grid.first, grid.last, grid.size}, [&] { return new_plan(grid); });
 }
 
 std::vector<double> inverse_hankel(const HankelPlan& plan, std::span<const double> spectra,
