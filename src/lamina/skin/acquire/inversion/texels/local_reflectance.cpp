@@ -32,18 +32,6 @@ std::array<double, 2> most_absorption(const SkinRange& range, const SkinSpectrum
   return most;
 }
 
-/// Weights of four neighboring nodes at a share of the way between the middle two (cubic,
-/// [Keys1981]), and their derivatives.
-struct CubicWeights {
-  std::array<double, 4> weight, slope;
-};
-CubicWeights cubic_weights(double s) {
-  return {{0.5 * s * (-1.0 + s * (2.0 - s)), 1.0 + 0.5 * s * s * (-5.0 + 3.0 * s),
-           0.5 * s * (1.0 + s * (4.0 - 3.0 * s)), 0.5 * s * s * (s - 1.0)},
-          {-0.5 + s * (2.0 - 1.5 * s), s * (-5.0 + 4.5 * s), 0.5 + s * (4.0 - 4.5 * s),
-           s * (-1.0 + 1.5 * s)}};
-}
-
 }  // namespace
 
 LocalReflectance::LocalReflectance(const SkinReflectanceTable& table, const SkinParameters& skin) {
@@ -52,24 +40,22 @@ LocalReflectance::LocalReflectance(const SkinReflectanceTable& table, const Skin
   for (std::size_t w = 0; w < wavelengths.size(); ++w) {
     const SkinSpectrum spectrum = skin_spectrum(wavelengths[w]);
     const std::array<double, 2> most = most_absorption(range, spectrum);
-    Band& band = bands_.emplace_back();
-    band.scale = {skin.epidermis_thickness, 2.0 / epidermis_scattering(skin, wavelengths[w])};
-    band.first = coordinates({});
-    const auto last = coordinates({most[0] * band.scale[0], most[1] * band.scale[1]});
-    for (std::size_t d = 0; d < 2; ++d)
-      band.step[d] = (last[d] - band.first[d]) / static_cast<double>(nodes[d] - 1);
+    const std::array<double, 2> scale = {skin.epidermis_thickness,
+                                         2.0 / epidermis_scattering(skin, wavelengths[w])};
+    const auto first = coordinates({});
+    const auto last = coordinates({most[0] * scale[0], most[1] * scale[1]});
     // One pigment in each layer gives any absorption.
     SkinParameters pure = skin;
     pure.baseline_scale = pure.hemoglobin_epidermis = pure.carotene = 0.0;
     pure.melanin_blend = pure.saturation_dermis = 1.0;
-    for (std::size_t j = 0; j < nodes[1]; ++j)
-      for (std::size_t i = 0; i < nodes[0]; ++i) {
-        const auto scaled = scaled_at({band.first[0] + static_cast<double>(i) * band.step[0],
-                                       band.first[1] + static_cast<double>(j) * band.step[1]});
-        pure.melanin = scaled[0] / band.scale[0] / spectrum.eumelanin;
-        pure.hemoglobin_dermis = scaled[1] / band.scale[1] / spectrum.oxyhemoglobin;
-        band.logarithms.push_back(std::log(table.reflectance_at(w, pure)));
-      }
+    const auto log_reflectance = [&](double of_epidermis,
+                                     double of_dermis) -> std::array<double, 1> {
+      const auto scaled = scaled_at({of_epidermis, of_dermis});
+      pure.melanin = scaled[0] / scale[0] / spectrum.eumelanin;
+      pure.hemoglobin_dermis = scaled[1] / scale[1] / spectrum.oxyhemoglobin;
+      return {std::log(table.reflectance_at(w, pure))};
+    };
+    bands_.push_back({scale, {{first[0], last[0], 64}, {first[1], last[1], 40}, log_reflectance}});
   }
 }
 
@@ -77,41 +63,14 @@ LocalReflectance::Value LocalReflectance::at(std::size_t wavelength,
                                              std::array<double, 2> sigma_a) const {
   const Band& band = bands_[wavelength];
   const std::array<double, 2> scaled = {sigma_a[0] * band.scale[0], sigma_a[1] * band.scale[1]};
-  const std::array<double, 2> coordinate = coordinates(scaled);
-  std::array<std::size_t, 2> first;
-  std::array<CubicWeights, 2> cubic;
-  std::array<bool, 2> is_beyond;
-  for (std::size_t d = 0; d < 2; ++d) {
-    const auto last = static_cast<double>(nodes[d] - 1);
-    const double place = (coordinate[d] - band.first[d]) / band.step[d];
-    is_beyond[d] = place > last;
-    const double inside = std::clamp(place, 0.0, last);
-    // At the ends the polynomial of the nearest four nodes goes on.
-    const double cell = std::clamp(std::floor(inside), 1.0, last - 2.0);
-    cubic[d] = cubic_weights(inside - cell);
-    first[d] = static_cast<std::size_t>(cell) - 1;
-  }
-  double value = 0.0;
-  std::array<double, 2> slope = {};
-  for (std::size_t j = 0; j < 4; ++j) {
-    const double* row = &band.logarithms[(first[1] + j) * nodes[0] + first[0]];
-    double along = 0.0, along_slope = 0.0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      along += cubic[0].weight[i] * row[i];
-      along_slope += cubic[0].slope[i] * row[i];
-    }
-    value += cubic[1].weight[j] * along;
-    slope[0] += cubic[1].weight[j] * along_slope;
-    slope[1] += cubic[1].slope[j] * along;
-  }
-  Value result{.reflectance = std::exp(value)};
+  const auto [of_epidermis, of_dermis] = coordinates(scaled);
+  const auto [logarithm, by] = band.logarithms.at(of_epidermis, of_dermis);
+  Value result{.reflectance = std::exp(logarithm[0])};
   const double root = std::sqrt(std::max(scaled[1], 1e-10));
   const std::array<double, 2> chain = {1.0 / (scaled[0] + slab_scale),
                                        0.5 / (root * (root + half_space_scale))};
   for (std::size_t d = 0; d < 2; ++d)
-    if (!is_beyond[d])
-      result.by_sigma_a[d] =
-          result.reflectance * slope[d] / band.step[d] * chain[d] * band.scale[d];
+    result.by_sigma_a[d] = result.reflectance * by[d][0] * chain[d] * band.scale[d];
   return result;
 }
 

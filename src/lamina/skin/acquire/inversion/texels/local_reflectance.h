@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lamina/layers/materials/skin.h"
+#include "lamina/solve/reflectance/cubic_table.h"
 #include "lamina/solve/reflectance/skin_reflectance_table.h"
 
 namespace lamina {
@@ -28,11 +29,9 @@ class LocalReflectance {
   [[nodiscard]] Value at(std::size_t wavelength, std::array<double, 2> sigma_a) const;
 
  private:
-  static constexpr std::array<std::size_t, 2> nodes = {64, 40};
   struct Band {
-    std::array<double, 2> scale;        ///< absorption to what the coordinate is of
-    std::array<double, 2> first, step;  ///< coordinates of the nodes
-    std::vector<double> logarithms;     ///< [node of dermis][node of epidermis]
+    std::array<double, 2> scale;  ///< absorption to what the coordinate is of
+    CubicTable<1> logarithms;
   };
   std::vector<Band> bands_;
 };

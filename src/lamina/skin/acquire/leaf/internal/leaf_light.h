@@ -2,11 +2,10 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
-#include <vector>
 
 #include "lamina/base/core/progress.h"
 #include "lamina/layers/materials/leaf.h"
+#include "lamina/solve/reflectance/cubic_table.h"
 #include "lamina/solve/scattering/profile/slab_totals.h"
 
 namespace lamina::detail {
@@ -32,9 +31,7 @@ class LeafLight {
   static constexpr double least_structure = 0.3, most_structure = 10.0;
 
  private:
-  static constexpr std::size_t columns = 80, rows = 40;
-  double low_, step_;                          ///< of the absorption's coordinate
-  std::vector<std::array<double, 2>> values_;  ///< [structure][absorption]
+  CubicTable<2> table_;  ///< of reflectance and transmittance
 };
 
 }  // namespace lamina::detail
