@@ -4,15 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lamina/skin/fit/least_squares/small_fit.h"
+
 namespace lamina::detail {
 namespace {
 
-/// The objective of one texel, and what a Newton step of it takes.
-struct TexelObjective {
-  double value = 0.0;
-  TexelNumbers gradient = {};
-  TexelMatrix curvature = {};
-};
+using TexelObjective = SmallSquares<most_free_numbers>;
 
 TexelObjective objective_at(LocalModel& model, const TexelData& data, const InversionTables& tables,
                             std::span<const double> coordinates, double robust_limit) {
@@ -69,54 +66,23 @@ void LocalModel::predict(std::span<const double> coordinates) {
 
 TexelNumbers fit_texel(LocalModel& model, const TexelData& data, const InversionTables& tables,
                        std::span<const double> start, double robust_limit) {
-  const std::size_t n = start.size();
-  constexpr int most_steps = 30;
-  constexpr double longest = 1.5, shortest = 1e-4;
-  TexelNumbers at = {};
-  std::ranges::copy(start, at.begin());
-  const auto objective = [&](const TexelNumbers& place) {
-    return objective_at(model, data, tables, std::span(place).first(n), robust_limit);
-  };
-  TexelObjective here = objective(at);
-  double damping = 1e-3;
-  for (int step = 0; step < most_steps; ++step) {
-    TexelMatrix damped = here.curvature;
-    for (std::size_t a = 0; a < n; ++a) damped[a][a] *= 1.0 + damping;
-    const TexelNumbers move = solve_cholesky(cholesky(damped, n), n, here.gradient);
-    TexelNumbers next = at;
-    double length = 0.0;
-    for (std::size_t a = 0; a < n; ++a) {
-      next[a] = coordinate_in_range(tables.numbers[a].parameter,
-                                    at[a] - std::clamp(move[a], -longest, longest));
-      length = std::max(length, std::abs(next[a] - at[a]));
-    }
-    if (length < shortest) break;
-    const TexelObjective there = objective(next);
-    if (there.value <= here.value) {
-      at = next;
-      here = there;
-      damping *= 0.2;
-    } else {
-      damping = std::max(10.0 * damping, 1e-2);
-      if (damping > 1e6) break;
-    }
-  }
-  return at;
+  SmallFit<most_free_numbers> fit{.size = start.size()};
+  fit.scale.fill(1.0);
+  std::ranges::copy(start, fit.at.begin());
+  fit.run(
+      [&](const TexelNumbers& at) {
+        return objective_at(model, data, tables, std::span(at).first(fit.size), robust_limit);
+      },
+      [&](std::size_t a, double x) { return coordinate_in_range(tables.numbers[a].parameter, x); },
+      [](std::size_t, double, double) { return false; }, [] {});
+  return fit.at;
 }
 
 TexelMatrix texel_covariance(LocalModel& model, const TexelData& data,
                              const InversionTables& tables, std::span<const double> coordinates,
                              double robust_limit) {
-  const std::size_t n = coordinates.size();
-  const TexelMatrix lower =
-      cholesky(objective_at(model, data, tables, coordinates, robust_limit).curvature, n);
-  TexelMatrix covariance = {};
-  for (std::size_t a = 0; a < n; ++a) {
-    TexelNumbers unit = {};
-    unit[a] = 1.0;
-    covariance[a] = solve_cholesky(lower, n, unit);
-  }
-  return covariance;
+  return small_covariance(objective_at(model, data, tables, coordinates, robust_limit).curvature,
+                          coordinates.size());
 }
 
 }  // namespace lamina::detail

@@ -2,17 +2,14 @@
 #include "lamina/skin/acquire/leaf/internal/leaf_pixel.h"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
+
+#include "lamina/skin/fit/least_squares/small_fit.h"
 
 namespace lamina::detail {
 namespace {
 
-/// Half the sum of squares, its derivatives, and the Gauss-Newton matrix of its second ones.
-struct Squares {
-  double value = 0.0;
-  LeafCoordinates gradient = {};
-  LeafMatrix curvature = {};
-};
+using Squares = SmallSquares<most_leaf_numbers>;
 
 Squares squares_at(const LeafPixelModel& model, std::span<const double> measured,
                    const LeafCoordinates& at, LeafPrediction& prediction) {
@@ -38,17 +35,6 @@ Squares squares_at(const LeafPixelModel& model, std::span<const double> measured
     result.curvature[i][i] += weight;
   }
   return result;
-}
-
-LeafMatrix inverse_of(const LeafMatrix& curvature, std::size_t n) {
-  const LeafMatrix lower = cholesky(curvature, n);
-  LeafMatrix inverse = {};
-  for (std::size_t i = 0; i < n; ++i) {
-    LeafCoordinates unit = {};
-    unit[i] = 1.0;
-    inverse[i] = solve_cholesky(lower, n, unit);
-  }
-  return inverse;
 }
 
 /// The usual leaf under the light that meets the bands best: a straight line of the measured over
@@ -127,42 +113,20 @@ void predict_leaf(const LeafPixelModel& model, const LeafCoordinates& at, LeafPr
 
 LeafFit fit_leaf(const LeafPixelModel& model, std::span<const double> measured,
                  LeafPrediction& prediction) {
-  constexpr int most_steps = 40;
-  constexpr double longest = 1.5, shortest = 1e-3;  // of a step, in the prior's deviations
-  const std::size_t n = model.size();
-  LeafCoordinates at = start_of(model, measured, prediction);
-  Squares here = squares_at(model, measured, at, prediction);
+  SmallFit<most_leaf_numbers> fit{.size = model.size(),
+                                  .most_steps = 40,
+                                  .shortest = 1e-3,
+                                  .scale = model.prior_deviation,
+                                  .at = start_of(model, measured, prediction)};
   LeafPrediction trial = prediction;
-  double damping = 1e-3;
-  for (int step = 0; step < most_steps; ++step) {
-    LeafMatrix damped = here.curvature;
-    for (std::size_t i = 0; i < n; ++i) {
-      // What would leave its range is held at its end.
-      const bool is_held = (at[i] <= model.low[i] && here.gradient[i] > 0.0) ||
-                           (at[i] >= model.high[i] && here.gradient[i] < 0.0);
-      damped[i][i] *= is_held ? 1e12 : 1.0 + damping;
-    }
-    const LeafCoordinates move = solve_cholesky(cholesky(damped, n), n, here.gradient);
-    LeafCoordinates next = at;
-    double length = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double most = longest * model.prior_deviation[i];
-      next[i] = std::clamp(at[i] - std::clamp(move[i], -most, most), model.low[i], model.high[i]);
-      length = std::max(length, std::abs(next[i] - at[i]) / model.prior_deviation[i]);
-    }
-    if (length < shortest) break;
-    const Squares there = squares_at(model, measured, next, trial);
-    if (there.value <= here.value) {
-      at = next;
-      here = there;
-      std::swap(prediction, trial);
-      damping *= 0.2;
-    } else {
-      damping = std::max(10.0 * damping, 1e-2);
-      if (damping > 1e6) break;
-    }
-  }
-  return {at, inverse_of(here.curvature, n)};
+  fit.run([&](const LeafCoordinates& at) { return squares_at(model, measured, at, trial); },
+          [&](std::size_t i, double x) { return std::clamp(x, model.low[i], model.high[i]); },
+          // What would leave its range is held at its end.
+          [&](std::size_t i, double x, double gradient) {
+            return (x <= model.low[i] && gradient > 0.0) || (x >= model.high[i] && gradient < 0.0);
+          },
+          [&] { std::swap(prediction, trial); });
+  return {fit.at, small_covariance(fit.squares.curvature, fit.size)};
 }
 
 }  // namespace lamina::detail
