@@ -7,6 +7,44 @@
 #include "material_bands.h"
 
 namespace lamina::cli {
+namespace {
+
+void run_bsdf(const Command& command, const BsdfOptions& options) {
+  if (options.material.empty() == options.model.empty())
+    throw InvalidInput("bsdf: either a MATERIAL or --model is required");
+  const bool is_material = options.model.empty();
+  const std::vector<std::string> of_materials = {"--bands",   "--set",      "--accuracy", "--step",
+                                                 "--cosines", "--azimuths", "--orders"};
+  const std::vector<std::string> of_the_model = {"--eta", "--smoothness", "--visibility",
+                                                 "--realizations"};
+  for (const std::string& name : is_material ? of_the_model : of_materials)
+    if (command.is_given(name))
+      throw InvalidInput(name + (is_material ? ": is read with --model rough_transmission only"
+                                             : ": is read with a MATERIAL only"));
+  if (!is_material) {
+    if (!options.compare)
+      refuse_unused(command, options.method.empty() ? "analytic" : options.method,
+                    {{"--photons", {"monte_carlo", "height_field"}},
+                     {"--visibility", {"monte_carlo"}},
+                     {"--realizations", {"height_field"}}});
+    return run_rough_transmission(options);
+  }
+  if (options.compare && !options.method.empty())
+    throw InvalidInput("--method: must be left out with --compare, which runs all methods");
+  refuse_unused(command, options.method.empty() ? "radiative_transfer" : options.method,
+                {{"--accuracy", {"radiative_transfer"}},
+                 {"--step", {"radiative_transfer", "first_order", "layered_bsdf"}},
+                 {"--cosines", {"monte_carlo"}},
+                 {"--azimuths", {"monte_carlo"}},
+                 {"--orders", {"monte_carlo"}},
+                 {"--photons", {"monte_carlo"}},
+                 {"--relative-error", {"monte_carlo"}},
+                 {"--time", {"monte_carlo"}},
+                 {"--independent-bands", {"monte_carlo"}}});
+  options.method == "monte_carlo" ? run_monte_carlo_bsdf(options) : run_material_bsdf(options);
+}
+
+}  // namespace
 
 void add_bsdf_command(CLI::App& app) {
   auto options = std::make_shared<BsdfOptions>();
@@ -83,40 +121,7 @@ void add_bsdf_command(CLI::App& app) {
       "lobes.svg\n"
       "  lamina bsdf --model rough_transmission --smoothness 1 --method height_field --json -\n"
       "  lamina bsdf --model rough_transmission --smoothness 1 --compare --plot b.svg");
-  command.callback([options, command] {
-    if (options->material.empty() == options->model.empty())
-      throw InvalidInput("bsdf: either a MATERIAL or --model is required");
-    const bool is_material = options->model.empty();
-    const std::vector<std::string> of_materials = {
-        "--bands", "--set", "--accuracy", "--step", "--cosines", "--azimuths", "--orders"};
-    const std::vector<std::string> of_the_model = {"--eta", "--smoothness", "--visibility",
-                                                   "--realizations"};
-    for (const std::string& name : is_material ? of_the_model : of_materials)
-      if (command.is_given(name))
-        throw InvalidInput(name + (is_material ? ": is read with --model rough_transmission only"
-                                               : ": is read with a MATERIAL only"));
-    if (!is_material) {
-      if (!options->compare)
-        refuse_unused(command, options->method.empty() ? "analytic" : options->method,
-                      {{"--photons", {"monte_carlo", "height_field"}},
-                       {"--visibility", {"monte_carlo"}},
-                       {"--realizations", {"height_field"}}});
-      return run_rough_transmission(*options);
-    }
-    if (options->compare && !options->method.empty())
-      throw InvalidInput("--method: must be left out with --compare, which runs all methods");
-    refuse_unused(command, options->method.empty() ? "radiative_transfer" : options->method,
-                  {{"--accuracy", {"radiative_transfer"}},
-                   {"--step", {"radiative_transfer", "first_order", "layered_bsdf"}},
-                   {"--cosines", {"monte_carlo"}},
-                   {"--azimuths", {"monte_carlo"}},
-                   {"--orders", {"monte_carlo"}},
-                   {"--photons", {"monte_carlo"}},
-                   {"--relative-error", {"monte_carlo"}},
-                   {"--time", {"monte_carlo"}},
-                   {"--independent-bands", {"monte_carlo"}}});
-    options->method == "monte_carlo" ? run_monte_carlo_bsdf(*options) : run_material_bsdf(*options);
-  });
+  command.callback([options, command] { run_bsdf(command, *options); });
 }
 
 }  // namespace lamina::cli

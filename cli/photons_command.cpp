@@ -164,6 +164,87 @@ void run_photons(const PhotonsOptions& options) {
   work.finish();  // not before the result is written
 }
 
+void add_tally_options(const Command& command, PhotonsOptions& options) {
+  const std::string tallies = "Tallies";
+  command
+      .add_option("--tally", options.tallies,
+                  "r, angle, rz, fluence, log_r, bsdf, orders, path, time; separated by commas")
+      .delimiter(',')
+      .group(tallies);
+  const auto bins = [&](const char* name, int& value, const char* text) {
+    command.add_option(name, value, text)
+        .type_name("N")
+        .range(1, 1'000'000'000)
+        .group(tallies)
+        .show_default();
+  };
+  const auto width = [&](const char* name, double& value, const char* text) {
+    command.add_option(name, value, text).type_name("MM").length().group(tallies).show_default();
+  };
+  bins("--r-bins", options.r_bins, "rings of r");
+  width("--dr", options.dr, "width of a ring");
+  bins("--z-bins", options.z_bins, "layers of z");
+  width("--dz", options.dz, "height of a layer");
+  bins("--angle-bins", options.angles, "bins over 90 degrees");
+  bins("--log-bins", options.log_bins, "bins of log_r");
+  command.add_option("--log-range", options.log_r, "lowest and highest radius of log_r [mm]")
+      .expected(2)
+      .length()
+      .group(tallies)
+      .show_default();
+  bins("--bsdf-cosines", options.cosines, "rows of bsdf");
+  bins("--bsdf-azimuths", options.azimuths, "columns of bsdf");
+  bins("--path-bins", options.path_bins, "bins of path length");
+  width("--dl", options.dl, "width of a bin of path length");
+  bins("--time-bins", options.time_bins, "bins of the time of flight");
+  command.add_option("--dt", options.dt, "width of a bin of time")
+      .type_name("PS")
+      .range(1e-9, 1e9)
+      .group(tallies)
+      .show_default();
+  command
+      .add_option("--frequency", options.frequencies,
+                  "frequencies of modulated light [MHz]: its amplitude and phase")
+      .delimiter(',')
+      .range(0.0, 1e6)
+      .group(tallies);
+  command.add_option("--detector", options.detectors, "distances of ring detectors [mm]")
+      .delimiter(',')
+      .range(0.0, 1e9)
+      .group(tallies);
+  width("--detector-width", options.detector_width, "width of their rings");
+  command
+      .add_option("--direction", options.directions,
+                  "THETA PHI in degrees: radiance there by next-event estimation; THETA > 90 below")
+      .group(tallies);
+}
+
+void add_output_options(const Command& command, PhotonsOptions& options) {
+  const std::string output = "Output";
+  command
+      .add_option("-o,--output", options.output,
+                  "folder of the .mco files of a .mci file, made if it is not there")
+      .type_name("DIR")
+      .group(output)
+      .show_default();
+  command.add_output_file("--plot", options.plot, "plot of R(r), R(angle) and R(t), as SVG", ".svg")
+      .group(output);
+  command
+      .add_flag("--counts", options.with_counts,
+                "put the raw sums into the JSON, for `lamina merge`; --shard does so too")
+      .group(output);
+  command
+      .add_output_file(
+          "--checkpoint", options.checkpoint,
+          "keep the sums in FILE every half minute and when stopped, until all is done")
+      .group(output);
+  command
+      .add_flag("--resume", options.resumes,
+                "go on from the file of --checkpoint, if there is one; the result is that of a run "
+                "that was not stopped")
+      .group(output);
+}
+
 }  // namespace
 
 void add_photons_command(CLI::App& app) {
@@ -193,82 +274,8 @@ void add_photons_command(CLI::App& app) {
   command.add_option("--beam-radius", options->beam_radius, "radius [mm]; gaussian: to 1/e^2")
       .length()
       .group(light);
-  const std::string tallies = "Tallies";
-  command
-      .add_option("--tally", options->tallies,
-                  "r, angle, rz, fluence, log_r, bsdf, orders, path, time; separated by commas")
-      .delimiter(',')
-      .group(tallies);
-  const auto bins = [&](const char* name, int& value, const char* text) {
-    command.add_option(name, value, text)
-        .type_name("N")
-        .range(1, 1'000'000'000)
-        .group(tallies)
-        .show_default();
-  };
-  const auto width = [&](const char* name, double& value, const char* text) {
-    command.add_option(name, value, text).type_name("MM").length().group(tallies).show_default();
-  };
-  bins("--r-bins", options->r_bins, "rings of r");
-  width("--dr", options->dr, "width of a ring");
-  bins("--z-bins", options->z_bins, "layers of z");
-  width("--dz", options->dz, "height of a layer");
-  bins("--angle-bins", options->angles, "bins over 90 degrees");
-  bins("--log-bins", options->log_bins, "bins of log_r");
-  command.add_option("--log-range", options->log_r, "lowest and highest radius of log_r [mm]")
-      .expected(2)
-      .length()
-      .group(tallies)
-      .show_default();
-  bins("--bsdf-cosines", options->cosines, "rows of bsdf");
-  bins("--bsdf-azimuths", options->azimuths, "columns of bsdf");
-  bins("--path-bins", options->path_bins, "bins of path length");
-  width("--dl", options->dl, "width of a bin of path length");
-  bins("--time-bins", options->time_bins, "bins of the time of flight");
-  command.add_option("--dt", options->dt, "width of a bin of time")
-      .type_name("PS")
-      .range(1e-9, 1e9)
-      .group(tallies)
-      .show_default();
-  command
-      .add_option("--frequency", options->frequencies,
-                  "frequencies of modulated light [MHz]: its amplitude and phase")
-      .delimiter(',')
-      .range(0.0, 1e6)
-      .group(tallies);
-  command.add_option("--detector", options->detectors, "distances of ring detectors [mm]")
-      .delimiter(',')
-      .range(0.0, 1e9)
-      .group(tallies);
-  width("--detector-width", options->detector_width, "width of their rings");
-  command
-      .add_option("--direction", options->directions,
-                  "THETA PHI in degrees: radiance there by next-event estimation; THETA > 90 below")
-      .group(tallies);
-  const std::string output = "Output";
-  command
-      .add_option("-o,--output", options->output,
-                  "folder of the .mco files of a .mci file, made if it is not there")
-      .type_name("DIR")
-      .group(output)
-      .show_default();
-  command
-      .add_output_file("--plot", options->plot, "plot of R(r), R(angle) and R(t), as SVG", ".svg")
-      .group(output);
-  command
-      .add_flag("--counts", options->with_counts,
-                "put the raw sums into the JSON, for `lamina merge`; --shard does so too")
-      .group(output);
-  command
-      .add_output_file(
-          "--checkpoint", options->checkpoint,
-          "keep the sums in FILE every half minute and when stopped, until all is done")
-      .group(output);
-  command
-      .add_flag("--resume", options->resumes,
-                "go on from the file of --checkpoint, if there is one; the result is that of a run "
-                "that was not stopped")
-      .group(output);
+  add_tally_options(command, *options);
+  add_output_options(command, *options);
   add_common_options(command, options->common);
   command.footer(
       "Examples: reflected light by radius; MCML's file; half of a long run\n"

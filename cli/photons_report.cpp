@@ -113,50 +113,60 @@ std::vector<double> middles(int count, double width) {
   return values;
 }
 
-/// The names and units of the grids are those of docs/photons.md.
-void add_tallies(JsonOutput& to, const PhotonTallies& t, const Results& results) {
-  const auto size = [](int count) { return static_cast<std::size_t>(std::max(count, 1)); };
-  constexpr double degrees = 180.0 / std::numbers::pi;
+std::size_t size_of(int count) { return static_cast<std::size_t>(std::max(count, 1)); }
+
+/// Light by radius, angle and depth.
+void add_places(JsonOutput& to, const PhotonTallies& t, const Results& results) {
   if (t.r.count > 0) to["r_mm"] = middles(t.r.count, t.r.width);
   if (t.angles > 0) to["theta_deg"] = middles(t.angles, 90.0 / t.angles);
   if (t.depth.count > 0) to["z_mm"] = middles(t.depth.count, t.depth.width);
-  if (t.r.count > 0) add_sides(to, "radial", results, &MonteCarloResult::radial, {size(t.r.count)});
-  if (t.angles > 0) add_sides(to, "angular", results, &MonteCarloResult::angular, {size(t.angles)});
+  if (t.r.count > 0)
+    add_sides(to, "radial", results, &MonteCarloResult::radial, {size_of(t.r.count)});
+  if (t.angles > 0)
+    add_sides(to, "angular", results, &MonteCarloResult::angular, {size_of(t.angles)});
   if (t.r.count > 0 && t.angles > 0)
     add_sides(to, "radial_angular", results, &MonteCarloResult::radial_angular,
-              {size(t.r.count), size(t.angles)});
+              {size_of(t.r.count), size_of(t.angles)});
   if (t.log_r.count > 0) {
     std::vector<double> edges;
     for (int i = 0; i <= t.log_r.count; ++i)
       edges.push_back(t.log_r.low *
                       std::pow(t.log_r.high / t.log_r.low, static_cast<double>(i) / t.log_r.count));
     to["log_r_edges_mm"] = edges;
-    add_sides(to, "log_radial", results, &MonteCarloResult::log_radial, {size(t.log_r.count)});
+    add_sides(to, "log_radial", results, &MonteCarloResult::log_radial, {size_of(t.log_r.count)});
     add_sides(to, "log_radial_outside", results, &MonteCarloResult::log_radial_outside, {2});
   }
   if (t.r.count > 0 && t.depth.count > 0) {
     add_grid(to, "absorption", results, &MonteCarloResult::absorption,
-             {size(t.r.count), size(t.depth.count)});
+             {size_of(t.r.count), size_of(t.depth.count)});
     if (t.fluence)
       add_grid(to, "fluence", results, &MonteCarloResult::fluence,
-               {size(t.r.count), size(t.depth.count)});
+               {size_of(t.r.count), size_of(t.depth.count)});
   }
+}
+
+/// Light by both angles and by the number of times that it was scattered.
+void add_scattering(JsonOutput& to, const PhotonTallies& t, const Results& results) {
   if (t.bsdf_cosines > 0) {
     to["bsdf_cos_theta"] = middles(t.bsdf_cosines, 1.0 / t.bsdf_cosines);
     to["bsdf_phi_deg"] =
         middles(std::max(t.bsdf_azimuths, 1), 360.0 / std::max(t.bsdf_azimuths, 1));
     add_sides(to, "bsdf", results, &MonteCarloResult::bsdf,
-              {size(t.bsdf_cosines), size(t.bsdf_azimuths)});
+              {size_of(t.bsdf_cosines), size_of(t.bsdf_azimuths)});
     if (t.orders)
       add_sides(to, "bsdf_by_order", results, &MonteCarloResult::bsdf_by_order,
-                {std::size_t{photon_orders}, size(t.bsdf_cosines), size(t.bsdf_azimuths)});
+                {std::size_t{photon_orders}, size_of(t.bsdf_cosines), size_of(t.bsdf_azimuths)});
   }
   if (t.orders) {
     add_sides(to, "by_order", results, &MonteCarloResult::by_order, {std::size_t{photon_orders}});
     if (t.angles > 0)
       add_sides(to, "angular_by_order", results, &MonteCarloResult::angular_by_order,
-                {std::size_t{photon_orders}, size(t.angles)});
+                {std::size_t{photon_orders}, size_of(t.angles)});
   }
+}
+
+/// Light by the length and time of its path, and as modulated light.
+void add_times(JsonOutput& to, const PhotonTallies& t, const Results& results) {
   if (t.mean_path_length || t.path_length.count > 0) {
     add_total(to, "mean_path_reflected_mm", results, &MonteCarloResult::mean_path_reflected);
     add_total(to, "mean_path_transmitted_mm", results, &MonteCarloResult::mean_path_transmitted);
@@ -164,7 +174,7 @@ void add_tallies(JsonOutput& to, const PhotonTallies& t, const Results& results)
   if (t.path_length.count > 0) {
     to["path_mm"] = middles(t.path_length.count, t.path_length.width);
     add_sides(to, "path_length", results, &MonteCarloResult::path_length,
-              {size(t.path_length.count)});
+              {size_of(t.path_length.count)});
   }
   if (t.time.count > 0) {
     to["time_ps"] = middles(t.time.count, t.time.width);
@@ -178,10 +188,10 @@ void add_tallies(JsonOutput& to, const PhotonTallies& t, const Results& results)
             return (is_reflected ? both.reflection : both.transmission)[layer];
           },
           {results[0].mean_layer_path.reflection.size()});
-    add_sides(to, "time", results, &MonteCarloResult::time, {size(t.time.count)});
+    add_sides(to, "time", results, &MonteCarloResult::time, {size_of(t.time.count)});
     if (t.r.count > 0)
       add_sides(to, "radial_time", results, &MonteCarloResult::radial_time,
-                {size(t.r.count), size(t.time.count)});
+                {size_of(t.r.count), size_of(t.time.count)});
   }
   if (!t.frequencies.empty()) {
     to["frequency_mhz"] = t.frequencies;
@@ -190,14 +200,18 @@ void add_tallies(JsonOutput& to, const PhotonTallies& t, const Results& results)
     if (t.r.count > 0)
       add_modulated_sides(to, "radial_amplitude", "radial_phase_rad", results,
                           &MonteCarloResult::radial_modulation,
-                          {size(t.r.count), t.frequencies.size()});
+                          {size_of(t.r.count), t.frequencies.size()});
   }
+}
+
+void add_detectors(JsonOutput& to, const PhotonTallies& t, const Results& results) {
+  constexpr double degrees = 180.0 / std::numbers::pi;
   if (!t.detectors.empty()) {
     to["detectors_mm"] = t.detectors;
     add_grid(to, "detectors", results, &MonteCarloResult::detectors, {t.detectors.size()});
     if (t.time.count > 0)
       add_grid(to, "detectors_time", results, &MonteCarloResult::detector_time,
-               {t.detectors.size(), size(t.time.count)});
+               {t.detectors.size(), size_of(t.time.count)});
     if (!t.frequencies.empty())
       add_modulation(to, "detectors_amplitude", "detectors_phase_rad", results,
                      [](const MonteCarloResult& r, std::size_t i) -> const Modulation& {
@@ -212,8 +226,17 @@ void add_tallies(JsonOutput& to, const PhotonTallies& t, const Results& results)
                       {"phi_deg", d.phi * degrees},
                       {"side", d.is_below ? "below" : "above"}});
     to["directions"] = list;
-    add_grid(to, "direction_bsdf", results, &MonteCarloResult::directions, {t.directions.size()});
+    add_grid(to, "direction_bsdf", results, &MonteCarloResult::directions,
+             {t.directions.size()});
   }
+}
+
+/// The names and units of the grids are those of docs/photons.md.
+void add_tallies(JsonOutput& to, const PhotonTallies& t, const Results& results) {
+  add_places(to, t, results);
+  add_scattering(to, t, results);
+  add_times(to, t, results);
+  add_detectors(to, t, results);
 }
 
 JsonOutput band_list(const std::vector<std::string>& bands) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -91,6 +92,30 @@ double bust(const Vec3& point) {
 constexpr Vec3 low{-1.3, -1.2, -1.35}, high{1.3, 2.75, 1.15};  // a box around it
 constexpr double bottom = -1.15, top = 2.65;
 
+/// Marching tetrahedra [DoiKoide1991]: each cell is cut into six around its diagonal, which meet
+/// their neighbours face to face, so that the surface is closed.
+/// @param visit  takes the corners of a tetrahedron inside and outside, of neither none
+template <class Visit>
+void for_cut_tetrahedra(const std::array<std::size_t, 3>& size, const std::vector<float>& distance,
+                        const Visit& visit) {
+  const std::array<std::size_t, 3> step = {1, size[0], size[0] * size[1]};
+  std::array<std::size_t, 3> order = {0, 1, 2};
+  do {
+    for (std::size_t z = 0; z + 1 < size[2]; ++z)
+      for (std::size_t y = 0; y + 1 < size[1]; ++y)
+        for (std::size_t x = 0; x + 1 < size[0]; ++x) {
+          std::size_t corner = x + y * step[1] + z * step[2];
+          std::array<std::size_t, 4> in{}, out{};
+          std::size_t ins = 0, outs = 0;
+          for (std::size_t k = 0; k < 4; ++k) {
+            (distance[corner] < 0.0F ? in[ins++] : out[outs++]) = corner;
+            if (k < 3) corner += step[order[k]];
+          }
+          if (ins > 0 && outs > 0) visit(std::span(in).first(ins), std::span(out).first(outs));
+        }
+  } while (std::ranges::next_permutation(order).found);
+}
+
 }  // namespace
 
 PolygonMesh make_bust(double height, int tessellation) {
@@ -146,39 +171,19 @@ PolygonMesh make_bust(double height, int tessellation) {
     add_face(mesh, face, 0);
   };
 
-  // Marching tetrahedra [DoiKoide1991]: each cell is cut into six around its diagonal, which meet
-  // their neighbours face to face, so that the surface is closed.
-  std::array<std::size_t, 3> order = {0, 1, 2};
-  do {
-    for (std::size_t z = 0; z + 1 < size[2]; ++z)
-      for (std::size_t y = 0; y + 1 < size[1]; ++y)
-        for (std::size_t x = 0; x + 1 < size[0]; ++x) {
-          std::size_t corner = x + y * step[1] + z * step[2];
-          std::array<std::size_t, 4> in{}, out{};
-          std::size_t ins = 0, outs = 0;
-          for (std::size_t k = 0; k < 4; ++k) {
-            (distance[corner] < 0.0F ? in[ins++] : out[outs++]) = corner;
-            if (k < 3) corner += step[order[k]];
-          }
-          if (ins == 0 || outs == 0) continue;
-          const Vec3 outward = point(out[0]) - point(in[0]);
-          if (ins == 2) {
-            const std::array<std::uint32_t, 4> v = {
-                vertex_on(in[0], out[0]), vertex_on(in[0], out[1]), vertex_on(in[1], out[1]),
-                vertex_on(in[1], out[0])};
-            add_triangle({v[0], v[1], v[2]}, outward);
-            add_triangle({v[0], v[2], v[3]}, outward);
-          } else if (ins == 1) {
-            add_triangle(
-                {vertex_on(in[0], out[0]), vertex_on(in[0], out[1]), vertex_on(in[0], out[2])},
-                outward);
-          } else {
-            add_triangle(
-                {vertex_on(in[0], out[0]), vertex_on(in[1], out[0]), vertex_on(in[2], out[0])},
-                outward);
-          }
-        }
-  } while (std::ranges::next_permutation(order).found);
+  const auto add_between = [&](std::span<const std::size_t> in, std::span<const std::size_t> out) {
+    const Vec3 outward = point(out[0]) - point(in[0]);
+    std::vector<std::uint32_t> v;
+    if (in.size() == 2)  // around the four edges that are cut
+      v = {vertex_on(in[0], out[0]), vertex_on(in[0], out[1]), vertex_on(in[1], out[1]),
+           vertex_on(in[1], out[0])};
+    else
+      for (const std::size_t a : in)
+        for (const std::size_t b : out) v.push_back(vertex_on(a, b));
+    add_triangle({v[0], v[1], v[2]}, outward);
+    if (v.size() == 4) add_triangle({v[0], v[2], v[3]}, outward);
+  };
+  for_cut_tetrahedra(size, distance, add_between);
   return mesh;
 }
 

@@ -80,6 +80,46 @@ std::vector<std::string_view> keys_of(MeasurementKind kind) {
   return keys;
 }
 
+/// Places and wavelengths of the rows of a table.
+struct MeasuredRows {
+  std::vector<double> at;           ///< k [1/mm] or r [mm]; 0 of totals
+  std::vector<double> wavelengths;  ///< empty: not given
+};
+
+/// Rows over spatial frequency or radius, each place once for each wavelength.
+MeasuredRows decode_rows(const JsonInput& value, const MeasuredTable& table,
+                         const MeasuredSeries& series) {
+  const bool has_waves = series.kind == MeasurementKind::spatial_frequency;
+  const bool has_periods = has_waves && table.has("fx_per_mm");  // a period is 1 / fx
+  const std::string place = !has_waves ? "r_mm" : has_periods ? "fx_per_mm" : "k_per_mm";
+  if (has_periods && table.has("k_per_mm"))
+    value.fail("must have \"k_per_mm\" or \"fx_per_mm\", which is k / (2 pi), but has both");
+  const double unit_of_k = has_periods ? 2.0 * std::numbers::pi : 1.0;
+  std::vector<double> at =
+      table.numbers(place, has_waves ? closed_interval(0.0, 100.0 / unit_of_k, "1/mm")
+                                     : closed_interval(1e-3, 1e3, "mm"));
+  if (at.empty())
+    value.fail("must have \"" + place + "\", as a column of its file or an array" +
+               table.other_columns(place));
+  for (double& each : at) each *= unit_of_k;
+  const std::vector<double> wavelengths =
+      table.numbers("wavelength_nm", closed_interval(200.0, 3000.0, "nm"));
+  for (std::size_t row = 0; row < at.size(); ++row)
+    for (std::size_t other = 0; other < row; ++other)
+      if (at[row] == at[other] && (wavelengths.empty() || wavelengths[row] == wavelengths[other]))
+        table.fail(
+            row, place,
+            "must be there once for each wavelength, but is " + number_text(at[row]) + " again");
+  if (series.detector_width > 0.0)
+    for (std::size_t row = 0; row < at.size(); ++row)
+      if (at[row] <= 0.5 * series.detector_width)
+        table.fail(row, place,
+                   "must exceed half the width of the detector, " +
+                       number_text(0.5 * series.detector_width) + " mm, but is " +
+                       number_text(at[row]));
+  return {std::move(at), wavelengths};
+}
+
 }  // namespace
 
 DecodedSeries decode_series(const JsonInput& value) {
@@ -123,37 +163,9 @@ DecodedSeries decode_series(const JsonInput& value) {
     series.has_specular =
         entry.required("specular").choice<bool>({{"included", true}, {"excluded", false}});
 
-  std::vector<double> at(table.rows(), 0.0), wavelengths;
-  if (is_totals) {
-    wavelengths = table.ascending_wavelengths();
-  } else {
-    const bool has_waves = series.kind == MeasurementKind::spatial_frequency;
-    const bool has_periods = has_waves && table.has("fx_per_mm");  // a period is 1 / fx
-    const std::string place = !has_waves ? "r_mm" : has_periods ? "fx_per_mm" : "k_per_mm";
-    if (has_periods && table.has("k_per_mm"))
-      value.fail("must have \"k_per_mm\" or \"fx_per_mm\", which is k / (2 pi), but has both");
-    const double unit_of_k = has_periods ? 2.0 * std::numbers::pi : 1.0;
-    at = table.numbers(place, has_waves ? closed_interval(0.0, 100.0 / unit_of_k, "1/mm")
-                                        : closed_interval(1e-3, 1e3, "mm"));
-    if (at.empty())
-      value.fail("must have \"" + place + "\", as a column of its file or an array" +
-                 table.other_columns(place));
-    for (double& each : at) each *= unit_of_k;
-    wavelengths = table.numbers("wavelength_nm", closed_interval(200.0, 3000.0, "nm"));
-    for (std::size_t row = 0; row < at.size(); ++row)
-      for (std::size_t other = 0; other < row; ++other)
-        if (at[row] == at[other] && (wavelengths.empty() || wavelengths[row] == wavelengths[other]))
-          table.fail(
-              row, place,
-              "must be there once for each wavelength, but is " + number_text(at[row]) + " again");
-    if (series.detector_width > 0.0)
-      for (std::size_t row = 0; row < at.size(); ++row)
-        if (at[row] <= 0.5 * series.detector_width)
-          table.fail(row, place,
-                     "must exceed half the width of the detector, " +
-                         number_text(0.5 * series.detector_width) + " mm, but is " +
-                         number_text(at[row]));
-  }
+  const auto [at, wavelengths] =
+      is_totals ? MeasuredRows{std::vector(table.rows(), 0.0), table.ascending_wavelengths()}
+                : decode_rows(value, table, series);
   for (std::size_t q = 0; q < columns.size(); ++q)
     for (std::size_t row = 0; row < columns[q].values.size(); ++row) {
       series.points.push_back({.band = is_totals ? row : 0,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "lamina/layers/optics/fresnel.h"
 #include "lamina/solve/scattering/layered_bsdf/first_order.h"
@@ -42,6 +43,41 @@ double draw_cosine(const FirstOrderStack<BandValues<N>>& stack,
   if (lobe.is_rayleigh) return sample_cos_theta(Rayleigh{}, random.uniform(), random.uniform());
   return sample_cos_theta(HenyeyGreenstein{static_cast<double>(lobe.g[band])}, random.uniform(),
                           random.uniform());
+}
+
+/// Refracts a ray at a smooth boundary, or not, by chance.
+/// @return its direction beyond; none: it is reflected
+std::optional<Vec3> refracted_by_chance(const Vec3& w, double eta, Random& random) {
+  const double cosine = std::min(std::abs(w.z), 1.0);
+  if (random.uniform() < fresnel(cosine, eta)) return std::nullopt;
+  const double transmitted2 = 1.0 - (1.0 - cosine * cosine) / (eta * eta);
+  if (transmitted2 <= 0.0) return std::nullopt;
+  return normalize(Vec3{w.x / eta, w.y / eta, std::copysign(std::sqrt(transmitted2), w.z)});
+}
+
+/// Roulette: a dim path, or one that has little chance at most, goes on seldom.
+template <int N>
+bool survives(Worth<N>& worth, float most, Random& random) {
+  const float survival = std::min({1.0f, 4.0f * largest(worth.weight()), most});
+  if (!(random.uniform_float() < survival)) return false;
+  worth.throughput *= 1.0f / survival;
+  return true;
+}
+
+/// Direction of light from a Lambertian ground just under a boundary, once it gets through that.
+/// @param eta       index inside over that below
+/// @param at_event  called wherever it falls on the ground
+template <int N, class AtEvent>
+std::optional<Vec3> from_ground(Worth<N>& worth, const BandValues<N>& reflectance, double eta,
+                                Random& random, const AtEvent& at_event) {
+  while (true) {
+    worth.throughput *= reflectance;
+    at_event();
+    if (!survives(worth, 1.0f, random)) return std::nullopt;
+    const double u = random.uniform(), phi = 2.0 * pi * random.uniform();
+    const Vec3 up{std::sqrt(u) * std::cos(phi), std::sqrt(u) * std::sin(phi), std::sqrt(1.0 - u)};
+    if (const std::optional<Vec3> w = refracted_by_chance(up, eta, random)) return w;
+  }
 }
 
 }  // namespace
@@ -87,11 +123,7 @@ typename LayeredWalk<N>::Exit LayeredWalk<N>::walk(Random& random, const AtEvent
       depth = std::clamp(depth - w.z * path, 0.0, thickness);
       ++events;
       at_event(k, depth, w, worth.weight(), events);
-      // Roulette: a dim path, or a very long one, goes on seldom.
-      float survival = std::min(1.0f, 4.0f * largest(worth.weight()));
-      if (events > long_walk) survival = std::min(survival, 0.99f);
-      if (!(random.uniform_float() < survival)) return {};
-      worth.throughput *= 1.0f / survival;
+      if (!survives(worth, events > long_walk ? 0.99f : 1.0f, random)) return {};
       const double c = draw_cosine(stack_, layer, band, random);
       const Bands phase = layer_phase(stack_, layer, Bands::filled(static_cast<float>(1.0 - c)));
       worth.throughput *= (1.0f / phase[band]) * phase;
@@ -107,17 +139,12 @@ typename LayeredWalk<N>::Exit LayeredWalk<N>::walk(Random& random, const AtEvent
     const double next = is_last    ? ior_below
                         : is_first ? ior_above
                                    : index(stack_.layers[is_down ? k + 1 : k - 1].ior);
-    const double eta = next / ior, cosine = std::min(std::abs(w.z), 1.0);
-    if (random.uniform() < fresnel(cosine, eta)) {
+    const std::optional<Vec3> beyond = refracted_by_chance(w, next / ior, random);
+    if (!beyond) {
       w.z = -w.z;
       continue;
     }
-    const double transmitted2 = 1.0 - (1.0 - cosine * cosine) / (eta * eta);
-    if (transmitted2 <= 0.0) {
-      w.z = -w.z;
-      continue;
-    }
-    w = normalize(Vec3{w.x / eta, w.y / eta, std::copysign(std::sqrt(transmitted2), w.z)});
+    w = *beyond;
     if (is_first) {
       if (events == 0) return {};
       return {.wi = w, .weight = worth.weight()};
@@ -129,23 +156,13 @@ typename LayeredWalk<N>::Exit LayeredWalk<N>::walk(Random& random, const AtEvent
       continue;
     }
     if (!stack_.has_ground) return {};
-    // A Lambertian ground just under the boundary, until its light gets through that.
-    while (true) {
-      worth.throughput *= stack_.ground_reflectance;
-      ++events;
-      at_event(count, 0.0, w, worth.weight(), events);
-      const float survival = std::min(1.0f, 4.0f * largest(worth.weight()));
-      if (!(random.uniform_float() < survival)) return {};
-      worth.throughput *= 1.0f / survival;
-      const double u = random.uniform(), phi = 2.0 * pi * random.uniform();
-      w = {std::sqrt(u) * std::cos(phi), std::sqrt(u) * std::sin(phi), std::sqrt(1.0 - u)};
-      const double back = ior / ior_below;
-      if (random.uniform() < fresnel(w.z, back)) continue;
-      const double inside2 = 1.0 - (1.0 - w.z * w.z) / (back * back);
-      if (inside2 <= 0.0) continue;
-      w = normalize(Vec3{w.x / back, w.y / back, std::sqrt(inside2)});
-      break;
-    }
+    const std::optional<Vec3> back =
+        from_ground(worth, stack_.ground_reflectance, ior / ior_below, random, [&] {
+          ++events;
+          at_event(count, 0.0, w, worth.weight(), events);
+        });
+    if (!back) return {};
+    w = *back;
   }
 }
 

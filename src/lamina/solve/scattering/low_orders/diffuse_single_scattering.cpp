@@ -217,6 +217,39 @@ AzimuthWaves with_conjugates(const AzimuthWaves& waves) {
   return all;
 }
 
+/// Directions in a layer and their light at the face nearer to one side, [node][wave].
+struct Face {
+  std::vector<std::size_t> nodes;
+  std::vector<Complex> light, rate, passed;  ///< passed: what is left at the other face
+};
+Face make_face(const GridStack& stack, const std::vector<Complex>& waves, double k, std::size_t l,
+               bool is_above, const std::vector<double>& through_top) {
+  const auto rate_in = [&](const GridLayer& layer, std::size_t i, Complex wave) {
+    return node_extinction(layer, i) / layer.cos[i] -
+           k * stack.grid.p[i] / (layer.ior * layer.cos[i]) * wave;
+  };
+  const Way way = make_way(stack, l, is_above);
+  Face face;
+  for (std::size_t i = 0; i < active_count(stack.grid, way.widest); ++i)
+    if (i != stack.grid.extra[0]) face.nodes.push_back(i);
+  for (const std::size_t i : face.nodes) {
+    double through = stack.grid.etendue[i] / stack.layers[l].cos[i];
+    for (std::size_t q = way.first; q <= way.last; ++q)
+      through *= q == 0 ? through_top[i] : 1.0 - interface_reflectance(stack, q, stack.grid.p[i]);
+    for (const Complex w : waves) {
+      Complex light = through;
+      for (std::size_t o = way.first; o < way.last; ++o)
+        light *= std::exp(-rate_in(stack.layers[o], i, w) * stack.layers[o].thickness);
+      face.light.push_back(light);
+      face.rate.push_back(rate_in(stack.layers[l], i, w));
+      face.passed.push_back(std::isfinite(stack.layers[l].thickness)
+                                ? std::exp(-face.rate.back() * stack.layers[l].thickness)
+                                : 0.0);
+    }
+  }
+  return face;
+}
+
 }  // namespace
 
 FrequencyResponse diffuse_single_on_grid(const FrequencySolver& solver, double k) {
@@ -226,37 +259,6 @@ FrequencyResponse diffuse_single_on_grid(const FrequencySolver& solver, double k
   const double arriving = stack.ior[0] * stack.ior[0];
   FrequencyResponse result;
 
-  /// Directions in a layer and their light at the face nearer to one side, [node][wave].
-  struct Face {
-    std::vector<std::size_t> nodes;
-    std::vector<Complex> light, rate, passed;  ///< passed: what is left at the other face
-  };
-  const auto rate_in = [&](const GridLayer& layer, std::size_t i, Complex wave) {
-    return node_extinction(layer, i) / layer.cos[i] -
-           k * stack.grid.p[i] / (layer.ior * layer.cos[i]) * wave;
-  };
-  const auto make_face = [&](std::size_t l, bool is_above, const std::vector<double>& through_top) {
-    const Way way = make_way(stack, l, is_above);
-    Face face;
-    for (std::size_t i = 0; i < active_count(stack.grid, way.widest); ++i)
-      if (i != stack.grid.extra[0]) face.nodes.push_back(i);
-    for (const std::size_t i : face.nodes) {
-      double through = stack.grid.etendue[i] / stack.layers[l].cos[i];
-      for (std::size_t q = way.first; q <= way.last; ++q)
-        through *= q == 0 ? through_top[i] : 1.0 - interface_reflectance(stack, q, stack.grid.p[i]);
-      for (const Complex w : rates) {
-        Complex light = through;
-        for (std::size_t o = way.first; o < way.last; ++o)
-          light *= std::exp(-rate_in(stack.layers[o], i, w) * stack.layers[o].thickness);
-        face.light.push_back(light);
-        face.rate.push_back(rate_in(stack.layers[l], i, w));
-        face.passed.push_back(std::isfinite(stack.layers[l].thickness)
-                                  ? std::exp(-face.rate.back() * stack.layers[l].thickness)
-                                  : 0.0);
-      }
-    }
-    return face;
-  };
   // From mode 0 to mode m by one wave, and back by another.
   const std::size_t modes = weights.size();
   std::vector<Complex> series(waves * waves * modes);
@@ -293,10 +295,12 @@ FrequencyResponse diffuse_single_on_grid(const FrequencySolver& solver, double k
       return sum.real();
     };
     const double strength = 0.25 * layer.sigma_s / (layer.ior * layer.ior * arriving);
-    const Face above = make_face(l, true, solver.top.in);
-    result.reflectance += strength * scattered(above, make_face(l, true, solver.top.out), true);
+    const Face above = make_face(stack, rates, k, l, true, solver.top.in);
+    result.reflectance +=
+        strength * scattered(above, make_face(stack, rates, k, l, true, solver.top.out), true);
     if (has_open_bottom(stack))
-      result.transmittance += strength * scattered(above, make_face(l, false, {}), false);
+      result.transmittance +=
+          strength * scattered(above, make_face(stack, rates, k, l, false, {}), false);
   }
   return result;
 }

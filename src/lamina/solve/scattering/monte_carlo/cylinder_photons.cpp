@@ -93,7 +93,20 @@ class CylinderTracer {
     Vec3 w;
     double weight;
   };
+  enum class Event { scatters, boundary, cylinder, side_x, side_y };
+  /// The nearest of: a scattering, a boundary of the layer, a cylinder, a side of the box.
+  struct Next {
+    double path;  ///< [mm]
+    Event event;
+    int met;  ///< the cylinder whose surface is crossed
+  };
   [[nodiscard]] Photon start(Random& random) const;
+  /// @param inside  the cylinder that the photon is in
+  [[nodiscard]] Next next_event(const Photon& p, int layer, int inside, double sigma_s,
+                                Random& random) const;
+  [[nodiscard]] double border(int layer, int next) const {
+    return tops_[static_cast<std::size_t>(std::max(layer, next))];
+  }
   [[nodiscard]] double ior(int layer) const {
     const auto all = scene_.stack.layers();
     return layer < 0                  ? scene_.stack.ior_above()
@@ -136,6 +149,34 @@ double CylinderTracer::path_to(const Cylinder& cylinder, const Photon& p, bool i
   return std::max(0.0, (-b - std::sqrt(discriminant)) / a);
 }
 
+CylinderTracer::Next CylinderTracer::next_event(const Photon& p, int layer, int inside,
+                                                double sigma_s, Random& random) const {
+  const double optical = -std::log(1.0 - random.uniform());
+  Next result{sigma_s > 0.0 ? optical / sigma_s : infinite_path, Event::scatters, inside};
+  const auto nearer = [&](double distance, Event what) {
+    if (!(distance < result.path)) return false;
+    result.path = distance;
+    result.event = what;
+    return true;
+  };
+  const int next = p.w.z > 0.0 ? layer + 1 : layer - 1;
+  if (inside != no_cylinder) {
+    nearer(path_to(scene_.cylinders[static_cast<std::size_t>(inside)], p, true), Event::cylinder);
+  } else {
+    if (p.w.z != 0.0)
+      nearer(std::max(0.0, (border(layer, next) - p.at.z) / p.w.z), Event::boundary);
+    for (const int c : in_layer_[static_cast<std::size_t>(layer)])
+      if (nearer(path_to(scene_.cylinders[static_cast<std::size_t>(c)], p, false), Event::cylinder))
+        result.met = c;
+  }
+  const auto to_side = [](double at, double w, double size) {
+    return w > 0.0 ? (size - at) / w : w < 0.0 ? -at / w : infinite_path;
+  };
+  nearer(std::max(0.0, to_side(p.at.x, p.w.x, scene_.width)), Event::side_x);
+  nearer(std::max(0.0, to_side(p.at.y, p.w.y, scene_.length)), Event::side_y);
+  return result;
+}
+
 void CylinderTracer::trace(Random random, std::vector<double>& tally) const {
   const auto all = scene_.stack.layers();
   Photon p = start(random);
@@ -147,31 +188,8 @@ void CylinderTracer::trace(Random random, std::vector<double>& tally) const {
       const Cylinder& c = scene_.cylinders[static_cast<std::size_t>(inside)];
       return Medium{c.sigma_a, c.sigma_s, c.g, all[l].medium.ior};
     }();
-    // The nearest of: a scattering, a boundary of the layer, a cylinder, a side of the box.
-    const double optical = -std::log(1.0 - random.uniform());
-    double path = medium.sigma_s > 0.0 ? optical / medium.sigma_s : infinite_path;
-    enum { scatters, boundary, cylinder, side_x, side_y } event = scatters;
-    const auto nearer = [&](double distance, decltype(event) what) {
-      if (distance < path) path = distance, event = what;
-    };
+    const auto [path, event, met] = next_event(p, layer, inside, medium.sigma_s, random);
     const int next = p.w.z > 0.0 ? layer + 1 : layer - 1;
-    const double border = tops_[static_cast<std::size_t>(std::max(layer, next))];
-    int met = inside;
-    if (inside != no_cylinder) {
-      nearer(path_to(scene_.cylinders[static_cast<std::size_t>(inside)], p, true), cylinder);
-    } else {
-      if (p.w.z != 0.0) nearer(std::max(0.0, (border - p.at.z) / p.w.z), boundary);
-      for (const int c : in_layer_[l]) {
-        const double before = path;
-        nearer(path_to(scene_.cylinders[static_cast<std::size_t>(c)], p, false), cylinder);
-        if (path < before) met = c;
-      }
-    }
-    const auto to_side = [](double at, double w, double size) {
-      return w > 0.0 ? (size - at) / w : w < 0.0 ? -at / w : infinite_path;
-    };
-    nearer(std::max(0.0, to_side(p.at.x, p.w.x, scene_.width)), side_x);
-    nearer(std::max(0.0, to_side(p.at.y, p.w.y, scene_.length)), side_y);
     if (!(path < infinite_path)) {  // nothing scatters it back
       tally[medium.sigma_a > 0.0 ? first_layer() + l : std::size_t{transmitted}] += p.weight;
       return;
@@ -182,7 +200,7 @@ void CylinderTracer::trace(Random random, std::vector<double>& tally) const {
     p.weight = kept;
     p.at = p.at + path * p.w;
     switch (event) {
-      case scatters: {
+      case Event::scatters: {
         const double u = random.uniform(), v = random.uniform();
         const PhaseFunction phase =
             inside == no_cylinder ? phase_function(all[l]) : HenyeyGreenstein{medium.g};
@@ -190,22 +208,22 @@ void CylinderTracer::trace(Random random, std::vector<double>& tally) const {
                              2.0 * std::numbers::pi * random.uniform());
         break;
       }
-      case cylinder:
+      case Event::cylinder:
         inside = inside == no_cylinder ? met : no_cylinder;
         break;
-      case side_x:
-      case side_y: {
+      case Event::side_x:
+      case Event::side_y: {
         if (scene_.sides == BoxSides::open) {
           tally[sides] += p.weight;
           return;
         }
-        double& at = event == side_x ? p.at.x : p.at.y;
-        const double size = event == side_x ? scene_.width : scene_.length;
-        at = (event == side_x ? p.w.x : p.w.y) > 0.0 ? 0.0 : size;
+        double& at = event == Event::side_x ? p.at.x : p.at.y;
+        const double size = event == Event::side_x ? scene_.width : scene_.length;
+        at = (event == Event::side_x ? p.w.x : p.w.y) > 0.0 ? 0.0 : size;
         break;
       }
-      case boundary: {
-        p.at.z = border;
+      case Event::boundary: {
+        p.at.z = border(layer, next);
         const double eta = ior(next) / ior(layer), mu = std::min(std::abs(p.w.z), 1.0);
         if (random.uniform() < fresnel(mu, eta)) {
           p.w.z = -p.w.z;

@@ -145,6 +145,116 @@ FieldRadiance<N> mean_around(const std::vector<FieldRadiance<N>>& field, const N
   return with_moments(scale * direct, scale * scattered, scale * moments);
 }
 
+/// Adds the mean direct light of the points of a node.
+/// @param reduced  its mean radiance, attenuated by the reduced extinction
+template <int N>
+void add_direct(const DirectLightField<N>& direct_light, const StartPoints& points,
+                const LightGatherer<N>& light, FieldRadiance<N>& field, BandValues<N>& reduced) {
+  const float fraction = 1.0f / static_cast<float>(points.count);
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const DirectFluence<N> direct = direct_light.at(points.at[i], light);
+    field.direct_fluence += fraction * direct.fluence;
+    reduced += (isotropic * fraction) * direct.reduced_fluence;
+    field.to_light += fraction * direct.to_light;
+    field.direct_deviation += fraction * direct.deviation;
+  }
+}
+
+/// Extinction over scattering; 0 where nothing is scattered.
+template <int N>
+BandValues<N> inverse_albedo(const WalkMedium<N>& medium) {
+  BandValues<N> per_albedo;
+  for (int b = 0; b < N; ++b)
+    if (medium.sigma_s[b] > 0.0f) per_albedo[b] = medium.sigma_t[b] / medium.sigma_s[b];
+  return per_albedo;
+}
+
+/// Scattered light of the nodes by the system of their links.
+template <int N>
+class FieldSweeps {
+ public:
+  FieldSweeps(const Links<N>& links, std::vector<FieldRadiance<N>>& field)
+      : links_(links), field_(field), fraction_(1.0f / static_cast<float>(links.of_node)) {}
+
+  /// Gauss and Seidel's iteration, to and fro, over-relaxed.
+  template <class IsInside>
+  void iterate(const IsInside& is_inside) {
+    const std::size_t nodes = field_.size();
+    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+      float change = 0.0f, brightest = 0.0f;
+      for (std::size_t i = 0; i < nodes; ++i) {
+        const std::size_t n = sweep % 2 ? nodes - 1 - i : i;
+        change = std::max(change, is_inside(n) ? renew(n) : 0.0f);
+        brightest = std::max(brightest, largest(field_[n].scattered));
+      }
+      if (!(change > sweep_tolerance * brightest)) break;
+    }
+  }
+
+  /// Net flux of the light that arrives at a node, and how far it is from its P1 moment.
+  void find_moments(std::size_t n) {
+    const float mean = sum(field_[n].scattered);
+    Vec3f moment;
+    for (std::size_t k = n * links_.of_node; k < (n + 1) * links_.of_node; ++k)
+      moment += (sum(arriving(k)) - mean) * links_.direction[k];
+    const Vec3f net_flux = mean > 0.0f ? (3.0f * fraction_ / mean) * moment : Vec3f{};
+    BandValues<N> squares;
+    for (std::size_t k = n * links_.of_node; k < (n + 1) * links_.of_node; ++k) {
+      const BandValues<N> d =
+          arriving(k) - (1.0f + dot(net_flux, links_.direction[k])) * field_[n].scattered;
+      squares += d * d;
+    }
+    field_[n].deviation = std::sqrt(fraction_ * largest(squares));
+    field_[n].net_flux = net_flux;
+  }
+
+ private:
+  [[nodiscard]] BandValues<N> arriving(std::size_t k) const {
+    return links_.given[k] + links_.weight[k] * field_[links_.node[k]].scattered;
+  }
+  /// @return the change
+  float renew(std::size_t n) {
+    BandValues<N> arrived;
+    for (std::size_t k = n * links_.of_node; k < (n + 1) * links_.of_node; ++k)
+      arrived += arriving(k);
+    arrived *= fraction_;
+    const BandValues<N> change = arrived - field_[n].scattered;
+    field_[n].scattered += over_relaxation * change;
+    return largest(abs(change));
+  }
+
+  const Links<N>& links_;
+  std::vector<FieldRadiance<N>>& field_;
+  float fraction_;
+};
+
+/// Direction on a spiral, evenly over the sphere.
+Vec3f spiral_direction(std::size_t i, std::size_t count, const Vec2f& shift) {
+  const float z = 1.0f - 2.0f * (static_cast<float>(i) + shift.x) / static_cast<float>(count);
+  const float phi = 2.0f * float_pi * (shift.y + 0.618034f * static_cast<float>(i));
+  const float r = std::sqrt(std::max(1.0f - z * z, 0.0f));
+  return {r * std::cos(phi), r * std::sin(phi), z};
+}
+
+/// Ends a segment at one of the nodes around a point, drawn by their weights.
+/// @return whether there is one
+template <int N, class IsInside>
+bool end_segment(Links<N>& links, std::size_t k, const NodeLattice::Corners& corners,
+                 const BandValues<N>& throughput, float u, const IsInside& is_inside) {
+  float around = 0.0f;
+  for (std::size_t c = 0; c < 8; ++c)
+    if (is_inside(corners.node[c])) around += corners.weight[c];
+  float left = around * u;
+  for (std::size_t c = 0; c < 8 && around > 0.0f; ++c) {
+    if (!is_inside(corners.node[c])) continue;
+    links.node[k] = static_cast<std::uint32_t>(corners.node[c]);
+    links.weight[k] = throughput;
+    left -= corners.weight[c];
+    if (left < 0.0f) break;
+  }
+  return around > 0.0f;
+}
+
 }  // namespace
 
 template <int N>
@@ -182,21 +292,11 @@ bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& prog
   for_nodes([&](std::size_t n) {
     Random random = make_random(seed + 1, n);
     points[n] = points_around(interior_, lattice, n, random);
-    const std::size_t count = points[n].count;
-    if (count == 0 || !next_event_.has_lights()) return;
-    const float fraction = 1.0f / static_cast<float>(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const DirectFluence<N> direct = direct_.at(points[n].at[i], light);
-      field[n].direct_fluence += fraction * direct.fluence;
-      reduced_direct[n] += (isotropic * fraction) * direct.reduced_fluence;
-      field[n].to_light += fraction * direct.to_light;
-      field[n].direct_deviation += fraction * direct.deviation;
-    }
+    if (points[n].count > 0 && next_event_.has_lights())
+      add_direct(direct_, points[n], light, field[n], reduced_direct[n]);
   });
 
-  Bands per_albedo;
-  for (int b = 0; b < N; ++b)
-    if (reduced_.sigma_s[b] > 0.0f) per_albedo[b] = reduced_.sigma_t[b] / reduced_.sigma_s[b];
+  const Bands per_albedo = inverse_albedo(reduced_);
   Links<N> links(nodes, std::clamp(static_cast<std::size_t>(most_links / N) / nodes,
                                    least_links_of_node, most_links_of_node));
   for_nodes([&](std::size_t n) {
@@ -207,12 +307,7 @@ bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& prog
     for (std::size_t i = 0; i < links.of_node; ++i) {
       const std::size_t k = n * links.of_node + i;
       links.node[k] = static_cast<std::uint32_t>(n);
-      // Directions on a spiral, evenly over the sphere.
-      const float z =
-          1.0f - 2.0f * (static_cast<float>(i) + shift.x) / static_cast<float>(links.of_node);
-      const float phi = 2.0f * float_pi * (shift.y + 0.618034f * static_cast<float>(i));
-      const float r = std::sqrt(std::max(1.0f - z * z, 0.0f));
-      links.direction[k] = {r * std::cos(phi), r * std::sin(phi), z};
+      links.direction[k] = spiral_direction(i, links.of_node, shift);
       const Vec3f start = points[n].at[i % points[n].count];
       WalkPath<N> path{.ray = {start, links.direction[k]},
                        .throughput = Bands::filled(1.0f),
@@ -230,64 +325,17 @@ bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& prog
       };
       if (!interior_.advance(path, reduced_, numbers, std::ref(add_escaping))) continue;
       total += per_albedo * path.throughput;
-      // One of the nodes around, by their weights.
-      const NodeLattice::Corners corners = lattice.corners(path.ray.origin);
-      float around = 0.0f;
-      for (std::size_t c = 0; c < 8; ++c)
-        if (is_inside(corners.node[c])) around += corners.weight[c];
-      float left = around * numbers.stream().uniform_float();
-      for (std::size_t c = 0; c < 8 && around > 0.0f; ++c) {
-        if (!is_inside(corners.node[c])) continue;
-        links.node[k] = static_cast<std::uint32_t>(corners.node[c]);
-        links.weight[k] = path.throughput;
-        left -= corners.weight[c];
-        if (left < 0.0f) break;
-      }
-      if (around > 0.0f) links.given[k] += path.throughput * reduced_direct[links.node[k]];
+      if (end_segment(links, k, lattice.corners(path.ray.origin), path.throughput,
+                      numbers.stream().uniform_float(), is_inside))
+        links.given[k] += path.throughput * reduced_direct[links.node[k]];
     }
     balance_bands(links, n, total, interior_.bands());
   });
-
   if (is_stopped) return false;
-
-  const float fraction = 1.0f / static_cast<float>(links.of_node);
-  const auto arriving = [&](std::size_t k) {
-    return links.given[k] + links.weight[k] * field[links.node[k]].scattered;
-  };
-  const auto renew = [&](std::size_t n) {  // returns the change
-    if (!is_inside(n)) return 0.0f;
-    Bands sum;
-    for (std::size_t k = n * links.of_node; k < (n + 1) * links.of_node; ++k) sum += arriving(k);
-    sum *= fraction;
-    const Bands change = sum - field[n].scattered;
-    field[n].scattered += over_relaxation * change;
-    return largest(abs(change));
-  };
-  // Gauss and Seidel's iteration, to and fro, over-relaxed.
-  for (int sweep = 0; sweep < most_sweeps; ++sweep) {
-    float change = 0.0f, brightest = 0.0f;
-    for (std::size_t i = 0; i < nodes; ++i) {
-      const std::size_t n = sweep % 2 ? nodes - 1 - i : i;
-      change = std::max(change, renew(n));
-      brightest = std::max(brightest, largest(field[n].scattered));
-    }
-    if (!(change > sweep_tolerance * brightest)) break;
-  }
+  FieldSweeps<N> sweeps(links, field);
+  sweeps.iterate(is_inside);
   for_nodes([&](std::size_t n) {
-    if (!is_inside(n)) return;
-    // The P1 moment.
-    const float mean = sum(field[n].scattered);
-    Vec3f moment;
-    for (std::size_t k = n * links.of_node; k < (n + 1) * links.of_node; ++k)
-      moment += (sum(arriving(k)) - mean) * links.direction[k];
-    const Vec3f net_flux = mean > 0.0f ? (3.0f * fraction / mean) * moment : Vec3f{};
-    Bands squares;
-    for (std::size_t k = n * links.of_node; k < (n + 1) * links.of_node; ++k) {
-      const Bands d = arriving(k) - (1.0f + dot(net_flux, links.direction[k])) * field[n].scattered;
-      squares += d * d;
-    }
-    field[n].deviation = std::sqrt(fraction * largest(squares));
-    field[n].net_flux = net_flux;
+    if (is_inside(n)) sweeps.find_moments(n);
   });
   for_nodes([&](std::size_t n) {
     // Direct light is attenuated by the reduced extinction here. What passes that beside the true
