@@ -80,6 +80,17 @@ TEST(ThicknessProfiles, AgreeWithSlabsSolvedOneByOne) {
   }
 }
 
+TEST(ThicknessProfiles, HalfSpacesAloneTakeFewerDirections) {
+  for (const LayerStack& stack : {skin(), stone()}) {
+    const ThicknessProfiles found = thickness_profiles({&stack, 1}, {.thickest = 0.0});
+    EXPECT_TRUE(found.slabs.empty());
+    EXPECT_TRUE(thickness_profiles({&stack, 1}, {.thinnest = 190.0}).slabs.empty());
+    EXPECT_LT(mean_difference(found.half_space.r, found.half_space.reflectance_profile,
+                              alone(stack).reflectance_profile),
+              0.001);
+  }
+}
+
 // Totals by another solver; thicker slabs reflect more and transmit less, to those of the half-
 // space.
 TEST(ThicknessProfiles, HasTheTotalsOfItsSlabs) {

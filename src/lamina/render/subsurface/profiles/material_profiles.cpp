@@ -57,7 +57,10 @@ MaterialProfiles<N>::MaterialProfiles(const RenderScene& scene, const BandConver
   bands_ = static_cast<int>(layers.size());
   std::vector<Profile> profiles;
   if (is_semi_infinite(layers.front())) {
-    ProfileMaker::ByThickness made = make_profile.by_thickness(surface_.material, layers);
+    const auto [nearest, reach] = ProfileMaker::slab_thicknesses(layers.front());
+    ProfileMaker::ByThickness made = make_profile.by_thickness(
+        surface_.material, layers,
+        thinnest_place(static_cast<float>(0.1 * nearest), static_cast<float>(reach)));
     profiles = std::move(made.slabs);
     profiles.push_back(std::move(made.half_space));
     thicknesses_.assign(made.thickness.begin(), made.thickness.end());
@@ -101,17 +104,54 @@ float MaterialProfiles<N>::thickness_at(const SurfacePoint& point) const {
   if (thicknesses_.empty()) return std::numeric_limits<float>::infinity();
   const float given = scene_.textures.scalar(surface_.thickness, point);
   if (surface_.thickness.value > 0.0f) return std::max(given, 0.0f);
-  // The far side is where the ray along the inward normal leaves the object.
+  return distance_to_far_side(point.position, point.smooth_normal, 0.1f * thicknesses_.front(),
+                              thicknesses_.back());
+}
+
+template <int N>
+float MaterialProfiles<N>::distance_to_far_side(const Vec3f& position, const Vec3f& normal,
+                                                float nearest, float reach) const {
   ProbeHits found;
-  scene_.geometry.all_hits({point.position, -point.smooth_normal}, thicknesses_.back(), material_,
-                           found);
-  float nearest = std::numeric_limits<float>::infinity();
+  scene_.geometry.all_hits({position, -normal}, reach, material_, found);
+  float distance = std::numeric_limits<float>::infinity();
   for (const Hit& hit : found.all()) {
-    if (hit.distance >= nearest || hit.distance < 0.1f * thicknesses_.front()) continue;
+    if (hit.distance >= distance || hit.distance < nearest) continue;
     const SurfacePoint far_side = make_surface_point(scene_.scene->meshes, hit, 0.0f);
-    if (dot(far_side.geometric_normal, point.smooth_normal) < 0.0f) nearest = hit.distance;
+    if (dot(far_side.geometric_normal, normal) < 0.0f) distance = hit.distance;
   }
-  return nearest;
+  return distance;
+}
+
+template <int N>
+float MaterialProfiles<N>::thinnest_place(float nearest, float reach) const {
+  if (surface_.thickness.value > 0.0f)
+    return std::max(range_of(scene_.textures, {&surface_.thickness, 1}).first, 0.0f);
+  constexpr std::size_t most_places = 16384;
+  const std::vector<Mesh>& meshes = scene_.scene->meshes;
+  std::size_t triangles = 0;
+  for (const Mesh& mesh : meshes) triangles += std::ranges::count(mesh.material, material_);
+  const std::size_t step = triangles / most_places + 1,
+                    per_triangle = std::clamp<std::size_t>(most_places / (triangles + 1), 1, 64);
+  float thinnest = std::numeric_limits<float>::infinity();
+  std::size_t seen = 0;
+  for (std::uint32_t m = 0; m < meshes.size(); ++m)
+    for (std::uint32_t t = 0; t < meshes[m].triangles.size(); ++t) {
+      if (meshes[m].material[t] != material_ || seen++ % step != 0) continue;
+      for (std::size_t i = 0; i < per_triangle; ++i) {
+        // Evenly over the triangle; the first is its middle.
+        const auto part = [i](double first, double by) {
+          const double x = first + by * static_cast<double>(i);
+          return static_cast<float>(x - std::floor(x));
+        };
+        float u = part(1.0 / 3.0, 0.7548776662), v = part(1.0 / 3.0, 0.5698402910);
+        if (u + v > 1.0f) u = 1.0f - u, v = 1.0f - v;
+        const SurfacePoint place =
+            make_surface_point(meshes, {.u = u, .v = v, .mesh = m, .triangle = t}, 0.0f);
+        thinnest = std::min(thinnest, distance_to_far_side(place.position, place.smooth_normal,
+                                                           nearest, reach));
+      }
+    }
+  return thinnest;
 }
 
 template <int N>

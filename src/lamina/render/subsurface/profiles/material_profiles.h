@@ -104,6 +104,13 @@ class MaterialProfiles {
 
  private:
   [[nodiscard]] Slabs slabs_of(float thickness) const;
+  /// Distance along the inward normal to where a ray leaves the object [mm], infinite beyond `reach`;
+  /// what is nearer than `nearest` does not count.
+  [[nodiscard]] float distance_to_far_side(const Vec3f& position, const Vec3f& normal,
+                                           float nearest, float reach) const;
+  /// The least thickness of places all over the objects, or of the map that gives it [mm]; infinite
+  /// where there is no far side.
+  [[nodiscard]] float thinnest_place(float nearest, float reach) const;
   [[nodiscard]] Bands color_over_mean(const Vec3f& color) const;
   /// The most that a color may scale by.
   [[nodiscard]] Bands largest_scale(float thickness) const;

@@ -113,6 +113,8 @@ ProfileMaker::Source ProfileMaker::source(const Material& material) const {
 Profile ProfileMaker::operator()(const Material& material,
                                  std::span<const LayerStack> bands) const {
   const Source from = source(material);
+  if (auto alone = together(material, bands, {.thickest = 0.0}))
+    return std::move(alone->half_space);
   if (from == Source::radiative_transfer)
     return diffuse_transfer_profile(bands, user_cache(), progress_);
   Profile profile =
@@ -122,34 +124,49 @@ Profile ProfileMaker::operator()(const Material& material,
              : profile;
 }
 
-ProfileMaker::ByThickness ProfileMaker::by_thickness(const Material& material,
-                                                     std::span<const LayerStack> bands) const {
-  const double thinnest = std::max(2.5 * thickness_of_upper_layers(bands.front()), 0.05);
-  const std::vector<LayerStack> smooth = with_smooth_ends_of(bands);
+std::optional<ProfileMaker::ByThickness> ProfileMaker::together(
+    const Material& material, std::span<const LayerStack> bands,
+    const ThicknessRange& range) const {
   const bool is_almost_smooth = std::ranges::all_of(bands, [](const LayerStack& band) {
     return band.layers().front().top.roughness <= almost_smooth;
   });
-  if (source(material) == Source::radiative_transfer && is_almost_smooth &&
-      takes_thickness_profiles(smooth)) {
-    const ThicknessRange range{.thinnest = thinnest};
-    ThicknessProfiles made = cached_thickness_profiles(user_cache(), smooth, range, {}, progress_);
-    const std::vector<double> entered = entering(smooth);
-    const auto per_entered = [&](Profile& profile) {
-      return per_entered_flux(std::move(profile), entered);
-    };
-    ByThickness result{.thickness = std::move(made.thickness),
-                       .slabs = {},
-                       .half_space = per_entered(made.half_space)};
-    for (Profile& slab : made.slabs) result.slabs.push_back(per_entered(slab));
-    return result;
-  }
-  const ThicknessRange range;
+  if (source(material) != Source::radiative_transfer || !is_almost_smooth) return std::nullopt;
+  const std::vector<LayerStack> smooth = with_smooth_ends_of(bands);
+  if (!takes_thickness_profiles(smooth)) return std::nullopt;
+  ThicknessProfiles made = cached_thickness_profiles(user_cache(), smooth, range, {}, progress_);
+  const std::vector<double> entered = entering(smooth);
+  const auto per_entered = [&](Profile& profile) {
+    return per_entered_flux(std::move(profile), entered);
+  };
+  ByThickness result{.thickness = std::move(made.thickness),
+                     .slabs = {},
+                     .half_space = per_entered(made.half_space)};
+  for (Profile& slab : made.slabs) result.slabs.push_back(per_entered(slab));
+  return result;
+}
+
+ProfileMaker::SlabThicknesses ProfileMaker::slab_thicknesses(const LayerStack& half_space) {
+  return {.thinnest = std::max(2.5 * thickness_of_upper_layers(half_space), 0.05),
+          .thickest = ThicknessRange{}.thickest};
+}
+
+ProfileMaker::ByThickness ProfileMaker::by_thickness(const Material& material,
+                                                     std::span<const LayerStack> bands,
+                                                     double thinnest_place) const {
+  const auto [thinnest, thickest] = slab_thicknesses(bands.front());
+  // The first slab is thinner than what was seen by a step: places between those may be.
+  const double outer = 2.0 * thickness_of_upper_layers(bands.front());
+  double inner = thinnest - outer;
+  while (outer + 2.0 * inner < std::min(thinnest_place, thickest)) inner *= std::numbers::sqrt2;
+  const ThicknessRange range{.thinnest = outer + inner,
+                             .thickest = thinnest_place < thickest ? thickest : 0.0};
+  if (auto all = together(material, bands, range)) return std::move(*all);
   ByThickness result;
-  for (double thickness = thinnest; thickness < range.thickest; thickness *= std::numbers::sqrt2) {
+  for (; outer + inner < range.thickest; inner *= std::numbers::sqrt2) {
     std::vector<LayerStack> slab;
-    for (const LayerStack& band : bands) slab.push_back(make_slab(band, thickness));
+    for (const LayerStack& band : bands) slab.push_back(slab_with_inner_thickness(band, inner));
     result.slabs.push_back((*this)(material, slab));
-    result.thickness.push_back(thickness);
+    result.thickness.push_back(outer + inner);
     if (std::ranges::max(result.slabs.back().total_transmittance) < range.least_transmittance)
       break;
   }

@@ -13,6 +13,7 @@
 #include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scene/description/scene.h"
 #include "lamina/solve/scattering/profile/profile.h"
+#include "lamina/solve/scattering/transport_profile/thickness_profiles.h"
 
 namespace lamina {
 
@@ -51,16 +52,23 @@ class ProfileMaker {
   [[nodiscard]] Profile operator()(const Material& material,
                                    std::span<const LayerStack> bands) const;
 
-  /// Profiles of layers of which the last is infinite, and of slabs of them from one that hardly
-  /// scatters to one that lets nothing through, three to an octave.
+  /// Profiles of layers of which the last is infinite, and of slabs of them up to one that lets
+  /// nothing through, three to an octave.
   struct ByThickness {
     std::vector<double> thickness;  ///< [slab] [mm]
     std::vector<Profile> slabs;     ///< [slab]
     Profile half_space;
   };
+  /// @param thinnest_place  of objects of the material [mm]: slabs begin below it
   /// @throws as operator().
   [[nodiscard]] ByThickness by_thickness(const Material& material,
-                                         std::span<const LayerStack> bands) const;
+                                         std::span<const LayerStack> bands,
+                                         double thinnest_place) const;
+  /// The thinnest slab that is made of layers, and a thickness that none reaches [mm].
+  struct SlabThicknesses {
+    double thinnest, thickest;
+  };
+  [[nodiscard]] static SlabThicknesses slab_thicknesses(const LayerStack& half_space);
 
   /// Function that makes profiles of given layers with any absorption, of which many are wanted: by
   /// radiative transfer, half-spaces of one layer come from tables, see half_space_table.h.
@@ -69,6 +77,11 @@ class ProfileMaker {
                                                   std::span<const LayerStack> bands) const;
 
  private:
+  /// Half-spaces that `thickness_profiles` takes, by radiative transfer; absent for others.
+  [[nodiscard]] std::optional<ByThickness> together(const Material& material,
+                                                    std::span<const LayerStack> bands,
+                                                    const ThicknessRange& range) const;
+
   RenderSettings settings_;
   Progress progress_;
 };

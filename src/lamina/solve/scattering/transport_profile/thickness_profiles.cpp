@@ -23,8 +23,11 @@ namespace {
 
 using namespace detail;
 
-/// Directions, azimuthal modes and frequencies: test ThicknessProfiles.
-constexpr int nodes = 8, modes = 4, frequencies = 24;
+/// Directions, azimuthal modes and frequencies: test ThicknessProfiles. Half-spaces and thick slabs
+/// ask for fewer directions than thin ones, where light goes on in some: with 5 nodes R of skin and
+/// jade under paint is within .05 %, T of skin within .2 % from 10 mean free paths on.
+constexpr int nodes_of_thin_slabs = 8, nodes_of_thick_ones = 5, modes = 4, frequencies = 24;
+constexpr double thick = 10.0;  ///< optical thickness of the inner layer
 
 constexpr double totals_accuracy = 1e-4;  ///< of adding-doubling
 
@@ -121,15 +124,17 @@ void conserve(double flux, double& total, std::vector<double>& curve) {
 std::vector<ProfileCurves> solve_band(const Family& of_band, double thinnest,
                                       const HankelPlan& plan, const Progress& goes_on) {
   const LayerStack& half_space = of_band.half_space;
+  const std::size_t slabs = of_band.totals.size() - 1;
+  const Medium& inner = half_space.layers().back().medium;
+  const bool is_thick = slabs == 0 || (inner.sigma_s + inner.sigma_a) * thinnest > thick;
   const SlabFamily family =
-      make_slab_family(half_space, slab_with_inner_thickness(half_space, thinnest),
-                       of_band.totals.size() - 1, nodes, modes);
+      make_slab_family(half_space, slab_with_inner_thickness(half_space, thinnest), slabs,
+                       is_thick ? nodes_of_thick_ones : nodes_of_thin_slabs, modes);
   std::vector<Body> bodies = make_bodies(family, half_space);
   // From the half-space's slowest decay to the thinnest slab's steepest rings.
-  const FrequencyGrid grid =
-      make_frequency_grid(family.half_space.stack, frequencies,
-                          std::max(beam_frequencies_per_sigma_t(family.half_space.stack),
-                                   beam_frequencies_per_sigma_t(family.slab.stack)));
+  double highest = beam_frequencies_per_sigma_t(family.half_space.stack);
+  if (slabs > 0) highest = std::max(highest, beam_frequencies_per_sigma_t(family.slab.stack));
+  const FrequencyGrid grid = make_frequency_grid(family.half_space.stack, frequencies, highest);
   respond(family, grid, bodies, goes_on);
   const double contact =
       single_at_contact(half_space, family.half_space.stack, family.half_space.top);
@@ -198,13 +203,20 @@ ThicknessProfiles thickness_profiles(std::span<const LayerStack> half_spaces,
   ThicknessProfiles result;
   add_totals([](const LayerStack& stack) { return stack; });
   const double outer = 2.0 * thickness_of_upper_layers(half_spaces.front());
-  const double thinnest = range.thinnest - outer;
-  for (double inner = thinnest; outer + inner < range.thickest; inner *= std::numbers::sqrt2) {
-    result.thickness.push_back(outer + inner);
-    if (add_totals([&](const LayerStack& stack) {
-          return slab_with_inner_thickness(stack, inner);
-        }) < range.least_transmittance)
+  const bool has_slabs = range.thinnest < range.thickest;
+  const double thinnest = has_slabs ? range.thinnest - outer : 1.0;  // any, if there are none
+  assert(thinnest > 0.0);
+  for (double inner = thinnest; has_slabs && outer + inner < range.thickest;
+       inner *= std::numbers::sqrt2) {
+    const double let_through = add_totals(
+        [&](const LayerStack& stack) { return slab_with_inner_thickness(stack, inner); });
+    const bool is_opaque = let_through < range.least_transmittance;
+    if (is_opaque && result.thickness.empty()) {  // as the half-space
+      for (Family& family : families) family.totals.pop_back();
       break;
+    }
+    result.thickness.push_back(outer + inner);
+    if (is_opaque) break;
   }
   const HankelPlan plan = make_hankel_plan(radii);
   const std::size_t count = plan.r.size();

@@ -4,17 +4,21 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <variant>
+#include <vector>
 
+#include "lamina/base/core/lazy_values.h"
 #include "lamina/base/core/quadrature.h"
 #include "lamina/solve/scattering/low_orders/straight_ray.h"
 
 namespace lamina::detail {
+namespace {
 
-double single_at_contact(const LayerStack& stack, const GridStack& on_grid, const TopPassage& top) {
-  const double sigma_s = stack.layers()[0].medium.sigma_s, ior = on_grid.ior[1];
-  if (sigma_s == 0.0) return 0.0;
+/// single_at_contact over the strength of scattering.
+double contact_integral(const PhaseFunction& phase, const GridStack& on_grid,
+                        const TopPassage& top) {
   using std::numbers::pi;
-  const PhaseFunction phase = phase_function(stack.layers()[0]);
+  const double ior = on_grid.ior[1];
   const auto smooth = [&](double p) { return 1.0 - interface_reflectance(on_grid, 0, p); };
   const auto in_at = [&](double p) { return top.is_rough ? top.in_at(p) : smooth(p); };
   const auto out_at = [&](double p) { return top.is_rough ? top.out_at(p) : smooth(p); };
@@ -73,7 +77,31 @@ double single_at_contact(const LayerStack& stack, const GridStack& on_grid, cons
     }
     sum += in.weights[i] * light * scattered;
   }
-  return sigma_s / (on_grid.ior[0] * on_grid.ior[0]) * sum;
+  return sum / (on_grid.ior[0] * on_grid.ior[0]);
+}
+
+/// Appends the numbers of a phase function.
+void append(const HenyeyGreenstein& phase, std::vector<double>& key) { key.push_back(phase.g); }
+void append(const Rayleigh&, std::vector<double>& key) { key.push_back(2.0); }  // no g is
+void append(const PhaseMixture& phase, std::vector<double>& key) {
+  for (const PhaseMixture::Lobe& lobe : phase.lobes) {
+    key.push_back(lobe.weight);
+    std::visit([&](const auto& kind) { append(kind, key); }, lobe.phase);
+  }
+}
+
+}  // namespace
+
+double single_at_contact(const LayerStack& stack, const GridStack& on_grid, const TopPassage& top) {
+  const double sigma_s = stack.layers()[0].medium.sigma_s;
+  if (sigma_s == 0.0) return 0.0;
+  const PhaseFunction phase = phase_function(stack.layers()[0]);
+  if (top.is_rough) return sigma_s * contact_integral(phase, on_grid, top);
+  // A material that is edited, or made darker, keeps its index and phase function.
+  static KeptValues<std::vector<double>, double> kept(256);
+  std::vector<double> key{on_grid.ior[0], on_grid.ior[1]};
+  std::visit([&](const auto& kind) { append(kind, key); }, phase);
+  return sigma_s * kept.at(key, [&] { return contact_integral(phase, on_grid, top); });
 }
 
 }  // namespace lamina::detail
