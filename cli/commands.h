@@ -27,6 +27,7 @@ void add_photons_command(CLI::App& app);
 void add_profile_command(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_reproduce_command(CLI::App& app);
+void add_serve_command(CLI::App& app);
 void add_slab_command(CLI::App& app);
 void add_status_command(CLI::App& app);
 void add_submit_command(CLI::App& app);

@@ -101,6 +101,9 @@ int run(int argc, char** argv) {
   add_render_command(app);
 #endif
   add_reproduce_command(app);
+#ifdef LAMINA_RENDER
+  add_serve_command(app);
+#endif
   add_slab_command(app);
   add_status_command(app);
   add_submit_command(app);

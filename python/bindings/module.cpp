@@ -24,6 +24,7 @@
 #include "recipes.h"
 #include "render.h"
 #include "reproduction.h"
+#include "session.h"
 #include "slab.h"
 #include "surfaces.h"
 #include "work.h"
@@ -57,4 +58,5 @@ PYBIND11_MODULE(_lamina, module) {
   bind_exchange(module);
   bind_images(module);
   bind_render(module);
+  bind_session(module);
 }

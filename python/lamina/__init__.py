@@ -85,6 +85,7 @@ from ._reproduce import (
     reproduce,
     reproductions,
 )
+from ._session import Session
 from ._slab import SlabTotals, slab
 from ._surfaces import RoughInterface, RoughSurface, rough_interface, rough_surface
 
@@ -95,8 +96,8 @@ __all__ = [
     "Interrupted", "InvalidInput", "InvertedColor", "Layers", "LostLight", "Material", "McmlRun",
     "MieBulk", "MieSphere", "ObliqueProfile", "PatchLight", "PatchPhotons", "Photons", "Picture",
     "Profile", "PulsedReflectance", "Reproduction", "ReproductionItem", "RoughInterface",
-    "RoughSurface", "SPECTRAL_BANDS", "SkinColors", "SkinMaps", "SlabTotals", "SphereReading",
-    "WriteError", "__version__", "acquire", "bsdf", "color_difference", "compare_pictures",
+    "RoughSurface", "SPECTRAL_BANDS", "Session", "SkinColors", "SkinMaps", "SlabTotals",
+    "SphereReading", "WriteError", "__version__", "acquire", "bsdf", "color_difference", "compare_pictures",
     "cylinder_photons", "edit", "equivalent_half_space", "export", "export_formats", "filters",
     "fit", "fresnel", "fresnel_diffuse", "gaussians", "half_space_color", "import_material", "invert",
     "invert_dipole_albedo", "lab", "layers", "leaf", "load_image", "load_maps", "lost_light",

@@ -315,6 +315,7 @@ bool add_samples(const PathTracer<N>& tracer, const CameraRays& camera, PictureW
   return add_tile_passes(
       sample,
       {.samples = static_cast<int>(range.size()),
+       .goes_on_to = options.goes_on_to,
        .noise = settings.noise,
        .checkpoint = options.checkpoint,
        .key = checkpoint_key(work.key, settings, options),
@@ -357,7 +358,8 @@ bool trace_passes(const BandSet& bands, PictureWork& work) {
        {.max_bounces = scene.settings.max_bounces, .direct_light = work.options.direct_light}});
   const bool is_prepared = prepare_light(methods, tracer, camera, seen, work);
   if (!is_prepared || work.options.only_prepares) return is_prepared;
-  work.key = picture_key(*scene.scene, scene.settings, work.options);
+  if (!work.options.checkpoint.empty() || work.options.part)
+    work.key = picture_key(*scene.scene, scene.settings, work.options);
   return add_samples(tracer, camera, work);
 }
 
@@ -405,7 +407,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
   statistics.is_corrected = settings.is_corrected;
   statistics.warnings = warnings_of_small_bodies(scene, settings);
   const BandSet bands = common_bands(scene);
-  const RenderScene prepared(scene, settings);
+  const RenderScene prepared(scene, settings, options.kept);
   const PixelRectangle area = rendered_area(scene.film);
   FilmAccumulator film(area.width, area.height);
   std::optional<MatteFilm> mattes;

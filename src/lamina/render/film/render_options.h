@@ -13,6 +13,8 @@
 
 namespace lamina {
 
+class KeptParts;
+
 /// Options that are not part of a scene but of how it is computed. The defaults are right for
 /// pictures.
 struct RenderOptions {
@@ -51,6 +53,13 @@ struct RenderOptions {
   std::optional<Part> part;
   bool has_mattes = false;     ///< adds Cryptomatte layers of objects and materials to the image
   bool only_prepares = false;  ///< ends before the samples: the cache is then made, and profiles
+
+  /// Parts of other pictures of this scene as it was, to take over and to add to: the picture is
+  /// the same, but for a first look. Null: none. begin_picture() is called by whoever asks.
+  KeptParts* kept = nullptr;
+  /// Samples per pixel up to which the work goes on once it has those that are asked for; on_image
+  /// is shown the picture after each pass. 0: it ends there.
+  int goes_on_to = 0;
 
   /// Told what a user should know before the work goes on, a line each. May be empty.
   std::function<void(const std::string&)> on_notice;

@@ -1,8 +1,14 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/render/film/scene_fingerprint.h"
 
+#include <algorithm>
+#include <array>
+#include <cstring>
 #include <optional>
+#include <span>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -36,6 +42,31 @@ class SceneHash : public Hash {
     if (value) add_value(*value);
   }
 };
+
+/// A hash of many numbers, in four rows side by side: each step of one waits for the last.
+std::uint64_t hash_of_many(std::span<const float> values) {
+  std::array<Hash, 4> rows;
+  const std::size_t part = (values.size() + 7) / 8 * 2;  // whole words of two numbers
+  std::array<std::span<const float>, 4> parts;
+  for (std::size_t r = 0; r < 4; ++r) {
+    const std::size_t begin = std::min(r * part, values.size());
+    parts[r] = values.subspan(begin, std::min(part, values.size() - begin));
+  }
+  const std::size_t shortest = parts[3].size() / 2;
+  for (std::size_t i = 0; i < shortest; ++i)
+    for (std::size_t r = 0; r < 4; ++r) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, parts[r].data() + 2 * i, sizeof word);
+      rows[r].add(word);
+    }
+  Hash all;
+  all.add(values.size());
+  for (std::size_t r = 0; r < 4; ++r) {
+    rows[r].add_bytes(std::as_bytes(parts[r].subspan(2 * shortest)));
+    all.add(rows[r].value());
+  }
+  return all.value();
+}
 
 void add(SceneHash& hash, const Mesh& mesh) {
   const auto& [name, positions, normals, uvs, colors, triangles, material, is_closed, open_parts] =
@@ -134,7 +165,7 @@ void add(SceneHash& hash, const SubsurfaceSurface& surface) {
   for (const MaterialMap& map : material_maps) {
     hash.add_text(map.number.name);
     hash.add(map.values.width);
-    hash.add_all(map.values.pixels);
+    hash.add(hash_of_many(map.values.pixels));
   }
   add_parameter(hash, color);
   hash.add(color_use);
@@ -240,7 +271,7 @@ void add(SceneHash& hash, const Image& image) {
   hash.add(image.width);
   hash.add(image.height);
   hash.add(image.channels.size());
-  hash.add_all(image.pixels);
+  hash.add(hash_of_many(image.pixels));
 }
 
 template <class T>
@@ -277,6 +308,78 @@ std::uint64_t program_key() {
   return hash.value();
 }
 
+namespace {
+
+/// Adds what light meets at the top of layers.
+void add_top(SceneHash& hash, const Material& layers) {
+  if (layers.layers.empty()) return;
+  for (const auto& [ior, outside, boundary] :
+       {std::tuple{&layers.layers.front().ior, &layers.ior_above, specular_top(layers)},
+        std::tuple{&layers.layers.back().ior, &layers.ior_below, layers.ground.top}}) {
+    hash.add_all(*ior);
+    hash.add_all(*outside);
+    hash.add(boundary.roughness);
+    hash.add(boundary.distribution);
+  }
+}
+
+/// Adds all of a material but what lies below a translucent surface.
+void add_above(SceneHash& hash, SurfaceMaterial material) {
+  if (auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface)) {
+    add_top(hash, subsurface->material);
+    SubsurfaceSurface above;
+    above.over = std::move(subsurface->over);
+    material.surface = std::move(above);
+  }
+  add(hash, material);
+}
+
+void add_camera(SceneHash& hash, const Camera& camera) {
+  const auto& [position, look_at, up, horizontal_fov, aperture_diameter, focus_distance] = camera;
+  for (const Vec3& vector : {position, look_at, up}) hash.add(vector);
+  for (const double number : {horizontal_fov, aperture_diameter, focus_distance}) hash.add(number);
+}
+
+}  // namespace
+
+AspectHashes aspect_hashes(const Scene& scene, const RenderSettings& settings,
+                           const RenderOptions& options) {
+  std::array<SceneHash, scene_aspect_count> hashes = {
+      SceneHash(false), SceneHash(false), SceneHash(false), SceneHash(false),
+      SceneHash(false), SceneHash(false), SceneHash(false), SceneHash(false)};
+  const auto of = [&](SceneAspect aspect) -> SceneHash& {
+    return hashes[static_cast<std::size_t>(aspect)];
+  };
+  of(SceneAspect::meshes).add(hash_of(scene.meshes, false));
+  for (const Image& image : scene.images) add(of(SceneAspect::images), image);
+  for (const Light& light : scene.lights) {
+    add(of(SceneAspect::lights), light);
+    const auto* sky = std::get_if<EnvironmentLight>(&light);
+    if (sky && sky->image) add(of(SceneAspect::lights), scene.images[*sky->image]);
+  }
+  add_camera(of(SceneAspect::camera), scene.camera);
+  of(SceneAspect::film).add(scene.film.width);
+  of(SceneAspect::film).add(scene.film.height);
+  for (const SurfaceMaterial& material : scene.materials) {
+    of(SceneAspect::lights).add(material.emission);
+    add_above(of(SceneAspect::surfaces), material);
+    const auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface);
+    if (subsurface) add(of(SceneAspect::materials), *subsurface);
+  }
+  SceneHash& how = of(SceneAspect::settings);
+  add_shared(how, settings, options);
+  add_numbers(how, settings);
+  how.add(settings.single_scattering);
+  how.add(settings.exit_angle);
+  how.add(settings.is_corrected);
+  how.add(settings.orders);
+  how.add(settings.samples_per_pixel);  // light is sampled for so many
+  how.add(settings.noise);
+  AspectHashes values{};
+  for (std::size_t i = 0; i < scene_aspect_count; ++i) values[i] = hashes[i].value();
+  return values;
+}
+
 LightFingerprint light_fingerprint(const Scene& scene, const RenderSettings& settings,
                                    const RenderOptions& options) {
   SceneHash hash(true);
@@ -295,10 +398,7 @@ std::uint64_t picture_key(const Scene& scene, const RenderSettings& settings,
   for (const std::uint64_t part : {hash_of(scene.meshes, false), hash_of(scene.materials, false),
                                    hash_of(scene.images, false), hash_of(scene.lights, false)})
     hash.add(part);
-  const auto& [position, look_at, up, horizontal_fov, aperture_diameter, focus_distance] =
-      scene.camera;
-  for (const Vec3& vector : {position, look_at, up}) hash.add(vector);
-  for (const double number : {horizontal_fov, aperture_diameter, focus_distance}) hash.add(number);
+  add_camera(hash, scene.camera);
   hash.add(scene.film.width);
   hash.add(scene.film.height);
   const PixelRectangle area = rendered_area(scene.film);
@@ -320,14 +420,15 @@ std::uint64_t picture_key(const Scene& scene, const RenderSettings& settings,
   (void)samples_per_pixel, (void)noise;  // how many samples of it there are
   add_numbers(hash, settings);
   const auto& [direct_light, cache, memory, needs_cache, takes_foreign_light, checkpoint, resumes,
-               keeps_samples, part, has_mattes, only_prepares, on_notice, on_image,
-               seconds_between_images] = options;
+               keeps_samples, part, has_mattes, only_prepares, kept, goes_on_to, on_notice,
+               on_image, seconds_between_images] = options;
   (void)direct_light;       // shared
   hash.add(cache.empty());  // light that is kept is sampled for any camera
   if (takes_foreign_light) hash.add_text(read_file_bytes(cache));  // nothing else says what it is
   (void)needs_cache, (void)checkpoint, (void)resumes, (void)on_notice;  // change nothing in it
   (void)part, (void)only_prepares, (void)keeps_samples;
   (void)on_image, (void)seconds_between_images, (void)has_mattes;
+  (void)kept, (void)goes_on_to;
   return hash.value();
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "lamina/render/film/render_options.h"
+#include "lamina/render/kept/kept_parts.h"
 #include "lamina/scene/description/scene.h"
 
 namespace lamina {
@@ -21,6 +22,11 @@ struct LightFingerprint {
 /// @param settings  in place of the scene's own
 [[nodiscard]] LightFingerprint light_fingerprint(const Scene& scene, const RenderSettings& settings,
                                                  const RenderOptions& options);
+
+/// Hashes of the aspects of a scene that is rendered with some settings, for KeptParts. Names are
+/// no part of them.
+[[nodiscard]] AspectHashes aspect_hashes(const Scene& scene, const RenderSettings& settings,
+                                         const RenderOptions& options);
 
 /// The program, as far as it makes pictures.
 [[nodiscard]] std::uint64_t program_key();

@@ -48,7 +48,8 @@ class FlushSubnormals {
 int end_of_pass(int from, const TilePassOptions& options) {
   const bool steps_small = options.noise > 0.0f && from >= least_samples;
   const std::int64_t to = from == 0 ? 1 : steps_small ? from + from / 2 : 2 * std::int64_t{from};
-  return static_cast<int>(std::min<std::int64_t>(to, options.samples));
+  const int most = from < options.samples ? options.samples : options.goes_on_to;
+  return static_cast<int>(std::min<std::int64_t>(to, most));
 }
 
 using Clock = std::chrono::steady_clock;
@@ -80,11 +81,13 @@ class Passes {
   }
 
   bool run() {
-    while (tiles_.from < options_.samples && !is_stopped_) {
+    while (tiles_.from < std::max(options_.samples, options_.goes_on_to) && !is_stopped_) {
       const int to = end_of_pass(tiles_.from, options_);
       parallel_for(tiles_.samples.size(), [&](std::size_t tile) { add_to_tile(tile, to); });
       if (is_stopped_) break;
       tiles_.from = to;
+      if (options_.goes_on_to > 0 && options_.on_image)
+        options_.on_image(options_.image_of ? options_.image_of(film_) : film_.image());
       if (options_.noise > 0.0f && to >= least_samples) find_quiet_tiles();
     }
     if (!options_.checkpoint.empty()) {
@@ -172,7 +175,8 @@ class Passes {
   bool is_told() {
     const double all =
         static_cast<double>(options_.samples) * static_cast<double>(tiles_.samples.size());
-    if (!report_progress(progress_, static_cast<double>(finished_) / all)) is_stopped_ = true;
+    if (!report_progress(progress_, std::min(static_cast<double>(finished_) / all, 1.0)))
+      is_stopped_ = true;
     return !is_stopped_;
   }
 

@@ -15,6 +15,7 @@ namespace lamina {
 
 struct TilePassOptions {
   int samples = 1;     ///< per pixel, at most
+  int goes_on_to = 0;  ///< samples per pixel beyond those, if more; all passes are then shown
   float noise = 0.0f;  ///< standard error over brightness at which a tile ends; 0: none ends early
   std::filesystem::path checkpoint;  ///< file that keeps an unfinished image; empty: none
   std::uint64_t key = 0;             ///< what the image follows from, as in save_checkpoint

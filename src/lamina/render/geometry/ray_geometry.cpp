@@ -196,9 +196,10 @@ void require_success(bool is_made, RTCDevice device) {
 
 }  // namespace
 
-RayGeometry::RayGeometry(const std::vector<Mesh>& meshes)
-    : traversal_(std::make_unique<Traversal>()) {
-  Traversal& traversal = *traversal_;
+RayGeometry::RayGeometry(const std::vector<Mesh>& meshes) {
+  const auto made = std::make_shared<Traversal>();
+  traversal_ = made;
+  Traversal& traversal = *made;
   traversal.meshes = &meshes;
   traversal.device = rtcNewDevice(nullptr);
   require_success(traversal.device != nullptr, traversal.device);
@@ -243,6 +244,8 @@ RayGeometry::RayGeometry(const std::vector<Mesh>& meshes)
 }
 
 RayGeometry::~RayGeometry() = default;
+RayGeometry::RayGeometry(const RayGeometry&) = default;
+RayGeometry& RayGeometry::operator=(const RayGeometry&) = default;
 RayGeometry::RayGeometry(RayGeometry&&) noexcept = default;
 RayGeometry& RayGeometry::operator=(RayGeometry&&) noexcept = default;
 

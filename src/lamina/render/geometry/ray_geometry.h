@@ -28,12 +28,14 @@ struct ProbeHits {
 [[nodiscard]] Vec2f nearest_on_triangle(const Vec3f& p, const Vec3f& a, const Vec3f& b,
                                         const Vec3f& c);
 
-/// The triangles of a scene, ready for rays. Safe to use from any thread.
+/// The triangles of a scene, ready for rays. Safe to use from any thread; copies share all.
 class RayGeometry {
  public:
   /// `meshes` must outlive the geometry.
   explicit RayGeometry(const std::vector<Mesh>& meshes);
   ~RayGeometry();
+  RayGeometry(const RayGeometry&);
+  RayGeometry& operator=(const RayGeometry&);
   RayGeometry(RayGeometry&&) noexcept;
   RayGeometry& operator=(RayGeometry&&) noexcept;
 
@@ -66,7 +68,7 @@ class RayGeometry {
 
  private:
   struct Traversal;
-  std::unique_ptr<Traversal> traversal_;
+  std::shared_ptr<const Traversal> traversal_;
   Vec3f box_low_, box_high_;
 };
 

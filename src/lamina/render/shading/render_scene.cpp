@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lamina/base/core/error.h"
+#include "lamina/base/core/hash.h"
 #include "lamina/scene/description/material_layer_maps.h"
 #include "lamina/scene/description/materials_in_use.h"
 
@@ -28,32 +29,74 @@ void check(const Scene& scene) {
   }
 }
 
+using BoundaryTable = std::shared_ptr<const BoundaryReflectance>;
+
+BoundaryTable make_table(KeptParts* kept, float ior, MicrofacetDistribution distribution,
+                         float roughness, bool is_mapped) {
+  Hash hash;
+  hash.add(ior);
+  hash.add(distribution);
+  hash.add(roughness);
+  hash.add(is_mapped);
+  return kept_or_made<BoundaryReflectance>(
+             kept, KeptPart::boundary, hash.value() >> 8, hash.value(),
+             [&] {
+               return std::make_shared<const BoundaryReflectance>(ior, distribution, roughness,
+                                                                  is_mapped);
+             })
+      .part;
+}
+
+/// The triangles ready for rays, and the meshes that they are of.
+struct GeometryOfMeshes {
+  std::vector<Mesh> meshes;
+  RayGeometry geometry{meshes};
+};
+
+/// @param meshes  set to what the geometry needs beside the scene
+RayGeometry make_geometry(const Scene& scene, KeptParts* kept,
+                          std::shared_ptr<const void>& meshes) {
+  if (!kept) return RayGeometry(scene.meshes);
+  const auto found = kept->get<GeometryOfMeshes>(KeptPart::geometry, 0, 0, [&] {
+    return std::shared_ptr<const GeometryOfMeshes>(new GeometryOfMeshes{scene.meshes});
+  });
+  meshes = found.part;
+  return found.part->geometry;
+}
+
+Lights make_lights(const Scene& scene, const RayGeometry& geometry, KeptParts* kept) {
+  const auto make = [&] { return Lights(scene, geometry.box_low(), geometry.box_high()); };
+  if (!kept) return make();
+  return *kept
+              ->get<Lights>(KeptPart::lights, 0, 0,
+                            [&] { return std::make_shared<const Lights>(make()); })
+              .part;
+}
+
 /// The boundary of a layer towards the outside; none if the indices are equal.
-std::unique_ptr<BoundaryReflectance> make_boundary(const MaterialLayer& layer,
-                                                   const std::vector<double>& ior_outside,
-                                                   const Interface& interface) {
+BoundaryTable make_boundary(const MaterialLayer& layer, const std::vector<double>& ior_outside,
+                            const Interface& interface, KeptParts* kept) {
   // One index for all bands: over the visible it varies by a percent, reflectance by a few.
   double ratio = 0.0;
   for (std::size_t b = 0; b < layer.ior.size(); ++b)
     ratio += layer.ior[b] / ior_outside[b] / static_cast<double>(layer.ior.size());
   if (std::abs(ratio - 1.0) <= 1e-4) return nullptr;
-  return std::make_unique<BoundaryReflectance>(static_cast<float>(ratio), interface.distribution,
-                                               static_cast<float>(interface.roughness), false);
+  return make_table(kept, static_cast<float>(ratio), interface.distribution,
+                    static_cast<float>(interface.roughness), false);
 }
 
-RenderScene::Boundaries make_boundaries(const SurfaceMaterial& material) {
+RenderScene::Boundaries make_boundaries(const SurfaceMaterial& material, KeptParts* kept) {
   RenderScene::Boundaries boundaries;
   if (const auto& coat = material.coat)
-    boundaries.coat = std::make_unique<BoundaryReflectance>(
-        coat->ior, coat->distribution, coat->roughness.value,
-        coat->roughness.map.has_value() || coat->second.has_value());
+    boundaries.coat = make_table(kept, coat->ior, coat->distribution, coat->roughness.value,
+                                 coat->roughness.map.has_value() || coat->second.has_value());
   for (const Covering& covering : coverings_of(material)) {
     if (covering.material.layers.empty())
       throw InvalidInput("material \"" + material.name + "\": over \"" + covering.name +
                          "\": at least one layer is required");
     const MaterialLayer& layer = covering.material.layers.front();
     const Interface top = specular_top(covering.material);
-    boundaries.over.push_back({make_boundary(layer, covering.material.ior_above, top),
+    boundaries.over.push_back({make_boundary(layer, covering.material.ior_above, top, kept),
                                static_cast<float>(top.roughness)});
   }
   const auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface);
@@ -63,11 +106,11 @@ RenderScene::Boundaries make_boundaries(const SurfaceMaterial& material) {
   if (layers.layers.empty())
     throw InvalidInput("material \"" + material.name + "\": at least one layer is required");
   const Interface top = specular_top(layers);
-  boundaries.own = make_boundary(layers.layers.front(), layers.ior_above, top);
+  boundaries.own = make_boundary(layers.layers.front(), layers.ior_above, top, kept);
   boundaries.own_roughness = static_cast<float>(top.roughness);
   if (std::isfinite(layers.layers.back().thickness)) {
     const Interface& bottom = layers.ground.top;
-    boundaries.own_below = make_boundary(layers.layers.back(), layers.ior_below, bottom);
+    boundaries.own_below = make_boundary(layers.layers.back(), layers.ior_below, bottom, kept);
     boundaries.own_roughness_below = static_cast<float>(bottom.roughness);
   }
   return boundaries;
@@ -75,19 +118,20 @@ RenderScene::Boundaries make_boundaries(const SurfaceMaterial& material) {
 
 }  // namespace
 
-RenderScene::RenderScene(const Scene& from, const RenderSettings& how)
+RenderScene::RenderScene(const Scene& from, const RenderSettings& how, KeptParts* parts)
     : scene((check(from), &from)),
       settings(how),
-      geometry(from.meshes),
+      kept(parts),
+      geometry(make_geometry(from, kept, meshes_of_geometry)),
       textures(from.images),
-      lights(from, geometry.box_low(), geometry.box_high()),
+      lights(make_lights(from, geometry, kept)),
       boundaries(from.materials.size()),
       layer_maps(from.materials.size()) {
   const std::vector<bool> is_used = materials_in_use(from);
   for (std::size_t m = 0; m < boundaries.size(); ++m) {
     if (!is_used[m]) continue;
     const SurfaceMaterial& material = from.materials[m];
-    boundaries[m] = make_boundaries(material);
+    boundaries[m] = make_boundaries(material, kept);
     has_clear_surfaces |= std::holds_alternative<DielectricSurface>(material.surface) ||
                           std::holds_alternative<ThinSurface>(material.surface) ||
                           material.opacity.has_value();

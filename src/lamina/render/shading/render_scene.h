@@ -7,6 +7,7 @@
 
 #include "lamina/layers/optics/rough/surface_boundary.h"
 #include "lamina/render/geometry/ray_geometry.h"
+#include "lamina/render/kept/kept_parts.h"
 #include "lamina/render/lights/lights.h"
 #include "lamina/scene/description/scene.h"
 #include "lamina/scene/surface/surface_point.h"
@@ -18,29 +19,32 @@ namespace lamina {
 struct RenderScene {
   /// The boundary on top of a covering; no table where the indices are equal.
   struct CoveringTop {
-    std::unique_ptr<BoundaryReflectance> table;
+    std::shared_ptr<const BoundaryReflectance> table;
     float roughness = 0.0f;
   };
 
   /// The boundaries of one material. A coat stands in for the material's own surface where it
   /// lies: its reflection takes the place of the other, so no light is reflected by both.
   struct Boundaries {
-    std::unique_ptr<BoundaryReflectance> coat;
-    std::unique_ptr<BoundaryReflectance> own;        ///< of a translucent material, unless matched
-    std::unique_ptr<BoundaryReflectance> own_below;  ///< of finite layers, their other side
+    std::shared_ptr<const BoundaryReflectance> coat;
+    std::shared_ptr<const BoundaryReflectance> own;  ///< of a translucent material, unless matched
+    std::shared_ptr<const BoundaryReflectance> own_below;  ///< of finite layers, their other side
     float own_roughness = 0.0f, own_roughness_below = 0.0f;
     std::vector<CoveringTop> over;  ///< [covering]
   };
 
   /// @param from      must outlive the result
   /// @param settings  in place of the scene's own, whose method may be left open
+  /// @param kept      parts of other pictures of this scene as it was; null: none. Outlives it.
   /// @throws InvalidInput if a triangle or map points to what is not there, or for a map that the
   ///         method does not have.
-  RenderScene(const Scene& from, const RenderSettings& settings);
+  RenderScene(const Scene& from, const RenderSettings& settings, KeptParts* kept = nullptr);
   explicit RenderScene(const Scene& from) : RenderScene(from, from.render) {}
 
   const Scene* scene;
   RenderSettings settings;
+  KeptParts* kept;
+  std::shared_ptr<const void> meshes_of_geometry;  ///< where that was kept
   RayGeometry geometry;
   TextureStore textures;
   Lights lights;

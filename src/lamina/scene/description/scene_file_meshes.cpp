@@ -8,11 +8,13 @@
 #include <set>
 #include <utility>
 
+#include "lamina/base/core/hash.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/core/vec.h"
 #include "lamina/base/image/bilinear.h"
 #include "lamina/base/image/map_description.h"
 #include "lamina/base/io/files_read.h"
+#include "lamina/base/io/kept_readings.h"
 #include "lamina/base/io/nearest_name.h"
 #include "lamina/base/spectrum/color.h"
 #include "lamina/scene/description/file_materials.h"
@@ -168,9 +170,11 @@ PolygonMesh decode_polygons(const JsonInput& value) {
                       "close_holes", "subdivision", "creases", "displacement", "instances",
                       "normals", "transform"});
   if (!file) value.fail("must have \"file\" or \"shape\", but has neither");
-  return load_for(*file, [&] {
-    return load_polygon_mesh(file->file_path(), file->memory(), {.uv_set = uv_set_of(value)});
-  });
+  const std::filesystem::path path = file->file_path();
+  const int uv_set = uv_set_of(value);
+  const auto load = [&] { return load_polygon_mesh(path, file->memory(), {.uv_set = uv_set}); };
+  return kept_reading<PolygonMesh>("polygons " + std::to_string(uv_set) + " " + path.string(),
+                                   [&] { return load_for(*file, load); });
 }
 
 std::uint32_t find_surface(const JsonInput& name, const SceneMaterials& materials) {
@@ -474,6 +478,37 @@ PolygonMesh keep_parts(PolygonMesh polygons, const std::vector<std::uint32_t>& m
   return kept;
 }
 
+/// What a mesh follows from, whose vertices nothing displaces.
+std::string key_of(const PolygonMesh& polygons, const MeshOptions& options,
+                   const std::vector<std::uint32_t>& material_of_part) {
+  Hash hash;
+  const auto add = [&](const auto& values) {
+    hash.add_bytes(std::as_bytes(std::span(values)));
+  };
+  add(std::span(&polygons.origin, 1));
+  add(polygons.positions);
+  add(polygons.normals);
+  add(polygons.uvs);
+  add(polygons.colors);
+  add(polygons.corners);
+  add(polygons.face_begin);
+  add(polygons.part);
+  add(polygons.creases);
+  for (const MeshPart& part : polygons.parts) {
+    hash.add(part.labels.size());
+    for (const std::string& label : part.labels) hash.add_text(label);
+  }
+  for (const std::string& note : polygons.notes) hash.add_text(note);
+  add(std::span(&options.to_world, 1));
+  hash.add(options.subdivision);
+  hash.add(options.normals);
+  hash.add(options.creases.angle);
+  hash.add(options.creases.sharpness);
+  for (const bool closes : options.closes) hash.add(closes);
+  hash.add(material_of_part);
+  return "mesh " + std::to_string(hash.value()) + " " + polygons.name;
+}
+
 /// Maps are of no use without texture coordinates.
 void check_uvs(const JsonInput& value, const Mesh& mesh,
                const std::vector<DecodedMaterial>& materials) {
@@ -525,9 +560,16 @@ DecodedMesh decode_mesh(const JsonInput& value, SceneMaterials& materials, Image
   if (const auto displacement = value.peek("displacement"))
     options.displacement = decode_displacement(*displacement, images);
   options.memory = value.memory();
-  PreparedMesh prepared = load_for(value, [&] {
-    return make_mesh(keep_parts(std::move(polygons), material_of_part), options, material_of_part);
-  });
+  const auto make = [&] {
+    return load_for(value, [&] {
+      return make_mesh(keep_parts(std::move(polygons), material_of_part), options,
+                       material_of_part);
+    });
+  };
+  PreparedMesh prepared =
+      are_readings_kept() && !options.displacement
+          ? kept_reading<PreparedMesh>(key_of(polygons, options, material_of_part), make)
+          : make();
   check_uvs(value, prepared.mesh, materials.list);
   check_tiles(prepared.mesh, materials.list);
   DecodedMesh result{.meshes = {}, .warnings = std::move(prepared.warnings)};

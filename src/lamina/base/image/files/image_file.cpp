@@ -6,6 +6,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <set>
+#include <string>
 #include <string_view>
 
 #include "lamina/base/core/checked_size.h"
@@ -13,6 +14,7 @@
 #include "lamina/base/image/files/envi_file.h"
 #include "lamina/base/image/files/internal/codec.h"
 #include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/kept_readings.h"
 #include "lamina/base/spectrum/srgb.h"
 
 namespace lamina {
@@ -137,7 +139,9 @@ Image load_image(const std::filesystem::path& file, ColorEncoding encoding, Memo
   return load_image(file, ImageReading{.encoding = encoding}, memory);
 }
 
-Image load_image(const std::filesystem::path& file, const ImageReading& reading,
+namespace {
+
+Image read_image(const std::filesystem::path& file, const ImageReading& reading,
                  MemoryBudget& memory) {
   const std::string bytes = read_file_bytes(file, memory);
   if (bytes.starts_with("ENVI")) {
@@ -147,6 +151,17 @@ Image load_image(const std::filesystem::path& file, const ImageReading& reading,
   Image image = decode_image(std::as_bytes(std::span(bytes)), file.string(), reading, memory);
   memory.left += bytes.size();  // which end here
   return image;
+}
+
+}  // namespace
+
+Image load_image(const std::filesystem::path& file, const ImageReading& reading,
+                 MemoryBudget& memory) {
+  const auto& [encoding, is_turned_upright, more_bytes_per_pixel] = reading;
+  return kept_reading<Image>("image " + std::to_string(static_cast<int>(encoding)) + " " +
+                                 std::to_string(is_turned_upright) + " " +
+                                 std::to_string(more_bytes_per_pixel) + " " + file.string(),
+                             [&] { return read_image(file, reading, memory); });
 }
 
 Image load_image(const std::filesystem::path& file, ColorEncoding encoding) {

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <utility>
 
@@ -162,6 +163,23 @@ bool HierarchyTransport<N>::prepare(const Preparation<N>& with) {
     }
     const LightSampling sampling = plan_sampling(with.camera, with.seen, with.cache.is_wanted());
     done.estimates = sampling.estimates;
+    if (KeptParts* kept = scene_.kept; kept && !with.cache.is_wanted()) {
+      bool is_made = false;
+      const auto light = kept->get<IrradianceCloud>(
+          KeptPart::entering_light, material_, 0,
+          [&] {
+            auto cloud = sample_and_use(with, sampling, done);
+            if (!cloud) throw Interrupted();
+            is_made = true;
+            return std::make_shared<const IrradianceCloud>(*std::move(cloud));
+          },
+          [](const IrradianceCloud&) { return true; });
+      if (is_made) return true;
+      use(*light.part);
+      done.spacing = static_cast<double>(light.part->spacing);
+      done.count = light.part->points.size();
+      return true;
+    }
     auto cloud = sample_and_use(with, sampling, done);
     if (!cloud) return false;
     with.cache.add(*std::move(cloud));

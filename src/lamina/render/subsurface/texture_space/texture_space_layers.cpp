@@ -25,7 +25,9 @@ constexpr float most_without_far_side = 0.05f;
 }  // namespace
 
 template <int N>
-std::string TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>& cache) {
+std::shared_ptr<const typename TextureSpaceTransport<N>::TexelLayers>
+TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>& cache) const {
+  const auto made = std::make_shared<TexelLayers>();
   const TextureAtlas::Cells cells = atlas_->cells();
   const std::vector<NumberTexels> maps =
       sample_maps(surface_.material_maps, scene_.scene->meshes, *atlas_);
@@ -41,32 +43,36 @@ std::string TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>
   double widest = smallest_largest_cell;
   for (const BandLayers& band : bands)
     widest = std::max(widest, cell_per_spread * widest_spread(band.tables.lattices));
-  graph_ = make_cell_graph(cells.cells, cells.links, widest);
-  layers_.push_back(on_surface<N>(bands, graph_));
-  if (std::isinf(material.layers.back().thickness)) add_thin_parts(bands, layers_.front());
+  made->graph = make_cell_graph(cells.cells, cells.links, widest);
+  made->layers.push_back(on_surface<N>(bands, made->graph));
+  if (std::isinf(material.layers.back().thickness)) 
+    add_thin_parts(bands, made->graph, made->layers.front());
   if (side_count() == 2 && !is_symmetric(bands))
-    layers_.push_back(on_surface<N>(lit_from(LitFrom::below), graph_));
+    made->layers.push_back(on_surface<N>(lit_from(LitFrom::below), made->graph));
   for (std::size_t side = 0; side < side_count(); ++side) {
-    sides_[side].reflectance = uniform_reflectance(layers_from(side));
-    extend(sides_[side].reflectance);
+    made->reflectance.push_back(uniform_reflectance(made->from(side)));
+    extend(made->reflectance.back());
     if (side_count() == 1) continue;
-    sides_[side].transmittance = uniform_transmittance(layers_from(1 - side));
-    extend(sides_[side].transmittance);
+    made->transmittance.push_back(uniform_transmittance(made->from(1 - side)));
+    extend(made->transmittance.back());
   }
-  if (!lets_through) return {};
+  if (!lets_through) return made;
   const float reach = most_far_side_thicknesses * largest_thickness(bands);
-  far_sides_ = find_far_sides(scene_, *atlas_, material_, is_sheet_, reach);
-  const float lost = share_without_far_side(*atlas_, far_sides_, is_sheet_);
-  if (!(lost > most_without_far_side)) return {};
-  return "material \"" + scene_.scene->materials[material_].name + "\": on " +
+  made->far_sides = find_far_sides(scene_, *atlas_, material_, is_sheet_, reach);
+  const float lost = share_without_far_side(*atlas_, made->far_sides, is_sheet_);
+  if (!(lost > most_without_far_side)) return made;
+  made->warning =
+      "material \"" + scene_.scene->materials[material_].name + "\": on " +
          number_text(std::round(100.0f * lost)) +
          " % of its closed meshes light that passes the layers is lost, for no far side is "
          "within " +
          number_text(reach) + " mm, four times their thickness";
+  return made;
 }
 
 template <int N>
 void TextureSpaceTransport<N>::add_thin_parts(std::span<const BandLayers> bands,
+                                              const CellGraph& graph,
                                               SurfaceLayers<N>& layers) const {
   const auto texels = atlas_->texels();
   std::vector<std::vector<float>> last;  // [band], absorption of the last layer
@@ -86,7 +92,7 @@ void TextureSpaceTransport<N>::add_thin_parts(std::span<const BandLayers> bands,
     positions.push_back(texel.position);
     normals.push_back(texel.normal);
   }
-  layers.thin = make_thin_parts<N>(graph_, positions, normals, thin);
+  layers.thin = make_thin_parts<N>(graph, positions, normals, thin);
 }
 
 template <int N>
@@ -97,9 +103,10 @@ OperatorTotals TextureSpaceTransport<N>::texture_space_totals() const {
 }
 
 #define LAMINA_INSTANTIATE(N)                                                                  \
-  template std::string TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>&); \
-  template void TextureSpaceTransport<N>::add_thin_parts(std::span<const BandLayers>,          \
-                                                         SurfaceLayers<N>&) const;             \
+  template std::shared_ptr<const typename TextureSpaceTransport<N>::TexelLayers>               \
+  TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>&) const;                \
+  template void TextureSpaceTransport<N>::add_thin_parts(                                      \
+      std::span<const BandLayers>, const CellGraph&, SurfaceLayers<N>&) const;                 \
   template OperatorTotals TextureSpaceTransport<N>::texture_space_totals() const
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <memory>
 #include <utility>
 
+#include "lamina/base/core/hash.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/core/parallel_chunks.h"
 #include "lamina/render/geometry/nearest_pixel.h"
@@ -17,6 +19,9 @@ namespace {
 constexpr double seconds_per_texel = 12e-6;  // cutting one, its neighbours, its skin
 constexpr double seconds_per_bounce = 1e-6;  // between the layers, for each texel and band
 constexpr double seconds_per_texel_lookup = 0.5e-6;
+
+/// Layers of so many texels are kept for other pictures, 2 kB each.
+constexpr std::size_t most_kept_texels = 250'000;
 
 /// Texels that face the camera's place with nothing but clear surfaces or other materials of the
 /// kind between: what may show, directly. Sheets face it on either side.
@@ -76,25 +81,85 @@ void TextureSpaceTransport<N>::prepare_reflectance(const Preparation<N>& with) {
     make_texels(kept->spacing);
     use(*kept);
   } else {
-    make_texels(spacing_for(nearest_pixel(*scene_.scene, with.camera, material_)));
-    if (const std::string warning = make_layers(user_cache()); !warning.empty())
-      with.report.warnings.push_back(warning);
+    take_or_make_layers(with);
   }
   std::ranges::copy(atlas_->warnings(), std::back_inserter(with.report.warnings));
 }
 
 template <int N>
+void TextureSpaceTransport<N>::take_or_make_layers(const Preparation<N>& with) {
+  const float wanted = spacing_for(nearest_pixel(*scene_.scene, with.camera, material_));
+  KeptParts* kept = with.cache.is_wanted() ? nullptr : scene_.kept;
+  if (kept) {
+    Hash hash;
+    hash.add(wanted);
+    struct Texels {
+      float spacing;
+      std::shared_ptr<const TextureAtlas> atlas;
+    };
+    const auto texels = kept->get<Texels>(
+        KeptPart::texels, material_, hash.value(),
+        [&] {
+          make_texels(wanted);
+          return std::make_shared<const Texels>(Texels{spacing_, atlas_});
+        },
+        [&](const Texels& others) {
+          return others.spacing < 2.0f * wanted && wanted < 2.0f * others.spacing;
+        });
+    spacing_ = texels.part->spacing;
+    atlas_ = texels.part->atlas;
+    texels_key_ = texels.key;
+    const auto leaving = kept->find<TexelLight>(
+        KeptPart::leaving_light, material_, texels_key_,
+        [&](const TexelLight& light) { return light.texels == texels_key_; });
+    if (leaving) {
+      use(leaving->cloud);
+      is_kept_ = true;
+      return;
+    }
+  } else {
+    make_texels(wanted);
+  }
+  const auto make = [&] { return make_layers(user_cache()); };
+  texel_layers_ = atlas_->texels().size() > most_kept_texels
+                      ? make()
+                      : kept_or_made<TexelLayers>(kept, KeptPart::texel_layers, material_,
+                                                  texels_key_, make)
+                            .part;
+  for (std::size_t side = 0; side < side_count(); ++side) {
+    sides_[side].reflectance = texel_layers_->reflectance[side];
+    if (side_count() > 1) sides_[side].transmittance = texel_layers_->transmittance[side];
+  }
+  if (!texel_layers_->warning.empty()) with.report.warnings.push_back(texel_layers_->warning);
+}
+
+template <int N>
 bool TextureSpaceTransport<N>::prepare(const Preparation<N>& with) {
   if (is_kept_) return true;
-  const auto is_seen =
-      with.cache.is_wanted()
-          ? std::vector<bool>{}
-          : showing_texels(seen_texels(scene_, atlas_->texels(), is_sheet_), far_sides_);
-  auto cloud = sample_light(with.light, is_seen, scene_.settings.seed, with.progress);
-  if (!cloud) return false;
-  scatter(*cloud);
-  use(*cloud);
-  with.cache.add(*std::move(cloud));
+  KeptParts* kept = with.cache.is_wanted() ? nullptr : scene_.kept;
+  const auto sample = [&] {
+    const auto is_seen = with.cache.is_wanted()
+                             ? std::vector<bool>{}
+                             : showing_texels(seen_texels(scene_, atlas_->texels(), is_sheet_),
+                                              texel_layers_->far_sides);
+    auto cloud = sample_light(with.light, is_seen, scene_.settings.seed, with.progress);
+    if (!cloud) throw Interrupted();
+    return std::make_shared<const TexelLight>(TexelLight{texels_key_, *std::move(cloud)});
+  };
+  try {
+    const auto entering = kept_or_made<TexelLight>(
+        kept, KeptPart::entering_light, material_, texels_key_, sample,
+        [&](const TexelLight& light) { return light.texels == texels_key_; });
+    IrradianceCloud cloud = entering.part->cloud;
+    scatter(cloud);
+    use(cloud);
+    if (kept)
+      kept->keep<TexelLight>(KeptPart::leaving_light, material_, texels_key_,
+                             std::make_shared<const TexelLight>(TexelLight{texels_key_, cloud}));
+    with.cache.add(std::move(cloud));
+  } catch (const Interrupted&) {
+    return false;
+  }
   return true;
 }
 
@@ -123,6 +188,7 @@ SubsurfaceCost TextureSpaceTransport<N>::expected_cost(const Preparation<N>& wit
   template CloudMisfit TextureSpaceTransport<N>::misfit(const IrradianceCloud&, const CameraRays&) \
       const;                                                                                       \
   template void TextureSpaceTransport<N>::prepare_reflectance(const Preparation<N>&);              \
+  template void TextureSpaceTransport<N>::take_or_make_layers(const Preparation<N>&);              \
   template bool TextureSpaceTransport<N>::prepare(const Preparation<N>&);                          \
   template SubsurfaceCost TextureSpaceTransport<N>::expected_cost(const Preparation<N>&) const
 LAMINA_INSTANTIATE(4);

@@ -80,7 +80,7 @@ float TextureSpaceTransport<N>::spacing_for(float pixel_size) const {
 template <int N>
 void TextureSpaceTransport<N>::make_texels(float spacing) {
   spacing_ = spacing;
-  atlas_.emplace(scene_.scene->meshes, material_, spacing_);
+  atlas_ = std::make_shared<const TextureAtlas>(scene_.scene->meshes, material_, spacing_);
   if (atlas_->texels().empty())
     throw InvalidInput("material \"" + scene_.scene->materials[material_].name +
                        "\": no texel of method texture_space lies on it: its faces have no area in "
@@ -93,6 +93,7 @@ std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
     const Progress& progress) const {
   const auto texels = atlas_->texels();
   const auto& meshes = scene_.scene->meshes;
+  const CellGraph& graph = texel_layers_->graph;
   const std::size_t points = side_count() * texels.size();
   IrradianceCloud cloud{.material = material_,
                         .bands = surface_.material.bands.size(),
@@ -166,14 +167,14 @@ std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
   const auto find_shares = [&] {
     shares.clear();
     for (std::size_t side = 0; side < side_count(); ++side)
-      std::ranges::copy(sky_shares<N>(graph_.levels.front(), of_side(side)),
+      std::ranges::copy(sky_shares<N>(graph.levels.front(), of_side(side)),
                         std::back_inserter(shares));
   };
   find_shares();
   for (std::size_t side = 0; full > first_count && side < side_count(); ++side) {
     const std::size_t first = side * texels.size();
     const std::vector<int> more = more_samples<N>(
-        graph_, of_side(side), std::span<const float>(shares).subspan(first, texels.size()),
+        graph, of_side(side), std::span<const float>(shares).subspan(first, texels.size()),
         static_cast<float>(full - first_count));
     const auto sample_more = [&](std::size_t t) {
       for (int s = 0; s < more[t]; ++s)
@@ -190,7 +191,7 @@ std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
                  (found[i].irradiance + shares[i] * found[i].missed);
   for (std::size_t side = 0; side < side_count(); ++side)
     spread_rare_light<N>(
-        graph_, of_side(side),
+        graph, of_side(side),
         std::span<const float>(shares).subspan(side * texels.size(), texels.size()),
         std::span(means).subspan(side * texels.size(), texels.size()));
   for (std::size_t i = 0; i < points; ++i)
@@ -208,14 +209,14 @@ void TextureSpaceTransport<N>::scatter(IrradianceCloud& cloud) {
     for (std::size_t i = 0; i < texels; ++i)
       for (std::size_t b = 0; b < cloud.bands; ++b)
         entering[i][static_cast<int>(b)] = cloud.irradiance[(side * texels + i) * cloud.bands + b];
-    clamp_fireflies(graph_.levels.front(), entering);
+    clamp_fireflies(texel_layers_->graph.levels.front(), entering);
     auto [reflected, transmitted] =
-        transport(layers_from(side), entering, scene_.settings.texture_space.interlayer_bounces);
+        transport(texel_layers_->from(side), entering,
+                  scene_.settings.texture_space.interlayer_bounces);
     for (std::size_t i = 0; i < texels; ++i) leaving[side][i] += reflected[i];
     if (!transmitted.empty()) add_transmitted(side, std::move(transmitted), leaving);
   }
-  layers_.clear();
-  graph_ = {};
+  texel_layers_.reset();
   const auto keep = [&](const CellField<N>& field, std::vector<float>& values) {
     for (std::size_t i = 0; i < texels; ++i)
       for (std::size_t b = 0; b < cloud.bands; ++b)
@@ -233,12 +234,13 @@ template <int N>
 void TextureSpaceTransport<N>::add_transmitted(std::size_t side, CellField<N> through,
                                                std::vector<CellField<N>>& leaving) const {
   const auto texels = atlas_->texels();
+  const std::vector<FarSide>& far_sides = texel_layers_->far_sides;
   extend(through);
   for (std::size_t i = 0; i < texels.size(); ++i)
     if (is_sheet_[texels[i].mesh])
       leaving[1 - side][i] += through[i];
-    else if (side == 0 && far_sides_[i].facing > 0.0f)
-      leaving[0][i] += far_sides_[i].facing * looked_up(through, far_sides_[i].place);
+    else if (side == 0 && far_sides[i].facing > 0.0f)
+      leaving[0][i] += far_sides[i].facing * looked_up(through, far_sides[i].place);
 }
 
 template <int N>

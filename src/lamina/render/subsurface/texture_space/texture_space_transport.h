@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -80,18 +81,38 @@ class TextureSpaceTransport final : public SubsurfaceMethod<N> {
   /// @throws InvalidInput as TextureAtlas, or if no texel lies on the material.
   void make_texels(float spacing);
 
+  /// What the layers are at each texel.
+  struct TexelLayers {
+    CellGraph graph;
+    std::vector<SurfaceLayers<N>> layers;  ///< [side], over `graph`; one, if both are alike
+    std::vector<CellField<N>> reflectance;    ///< [side], in even light, border texels too
+    std::vector<CellField<N>> transmittance;  ///< [side], where there are two
+    std::vector<FarSide> far_sides;           ///< [texel], of layers that let light through
+    std::string warning;                      ///< if light is lost; else empty
+
+    [[nodiscard]] const SurfaceLayers<N>& from(std::size_t side) const {
+      return layers[std::min(side, layers.size() - 1)];
+    }
+  };
+
+  /// Light on texels, and which.
+  struct TexelLight {
+    std::uint64_t texels = 0;  ///< key of the kept ones
+    IrradianceCloud cloud;
+  };
+
+  /// Takes over texels and what is known of their light, or makes texels and their layers.
+  void take_or_make_layers(const Preparation<N>& with);
+
   /// Works out what the layers are at each texel. Comes before sample_light.
   /// @param cache  of tables
-  /// @return       a warning, if light is lost; else empty
-  [[nodiscard]] std::string make_layers(const std::optional<DiskCache>& cache);
+  [[nodiscard]] std::shared_ptr<const TexelLayers> make_layers(
+      const std::optional<DiskCache>& cache) const;
 
   /// Adds what comes through from other sides of an infinite last layer.
   /// @param bands  of `layers`
-  void add_thin_parts(std::span<const BandLayers> bands, SurfaceLayers<N>& layers) const;
-
-  [[nodiscard]] const SurfaceLayers<N>& layers_from(std::size_t side) const {
-    return layers_[std::min(side, layers_.size() - 1)];
-  }
+  void add_thin_parts(std::span<const BandLayers> bands, const CellGraph& graph,
+                      SurfaceLayers<N>& layers) const;
 
   /// Totals that the operators of the layers are scaled to: radiative transfer, but for skin whose
   /// constants are for diffusion.
@@ -106,7 +127,7 @@ class TextureSpaceTransport final : public SubsurfaceMethod<N> {
                                                             std::uint64_t seed,
                                                             const Progress& progress) const;
 
-  /// Lets light that was sampled scatter, and forgets the layers.
+  /// Lets light that was sampled scatter, and lets go of the layers.
   void scatter(IrradianceCloud& cloud);
 
   /// Adds light that has passed the layers to what leaves on the other side.
@@ -137,12 +158,11 @@ class TextureSpaceTransport final : public SubsurfaceMethod<N> {
   bool is_printed_exit_;
   float spacing_ = 0.0f;
   bool is_kept_ = false;  ///< the light
-  std::optional<TextureAtlas> atlas_;
-  CellGraph graph_;
-  std::vector<bool> is_sheet_;            ///< [mesh]
-  std::vector<SideFields> sides_;         ///< [side]
-  std::vector<SurfaceLayers<N>> layers_;  ///< [side]; one, if both are alike
-  std::vector<FarSide> far_sides_;        ///< [texel], of layers that let light through
+  std::shared_ptr<const TextureAtlas> atlas_;
+  std::uint64_t texels_key_ = 0;  ///< of the atlas, where it is kept
+  std::vector<bool> is_sheet_;    ///< [mesh]
+  std::vector<SideFields> sides_;                    ///< [side]
+  std::shared_ptr<const TexelLayers> texel_layers_;  ///< until light has scattered
 };
 
 }  // namespace lamina

@@ -11,6 +11,7 @@
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/image/files/image_file.h"
 #include "lamina/base/image/map_description.h"
+#include "lamina/base/io/kept_readings.h"
 #include "lamina/base/io/nearest_name.h"
 #include "lamina/layers/materials/material_file.h"
 
@@ -100,7 +101,10 @@ MappedMaterial decode_mapped_material(const JsonInput& value) {
   if (std::ranges::find(names, name) != names.end())
     result.material = find_material(name);
   else if (std::filesystem::exists(value.file_path(), ignored))
-    result.material = load_material(value.file_path(), value.memory(), take);
+    result = kept_reading<MappedMaterial>("material " + value.file_path().string(), [&] {
+      result.material = load_material(value.file_path(), value.memory(), take);
+      return std::move(result);
+    });
   else
     value.fail("there is no built-in material and no file \"" + name + "\"" +
                did_you_mean(name, names));
