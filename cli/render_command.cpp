@@ -227,7 +227,7 @@ void run_render(const RenderCommandOptions& options) {
   }
   if (!options.compared.empty()) return run_comparison(options, files, std::move(scene));
 
-  render_picture(options, files, look, std::move(scene), checkpoint, {});
+  render_picture(options, files, look, std::move(scene), checkpoint);
 }
 
 /// How good the picture is to be, and how long that may take.
@@ -381,13 +381,17 @@ Scene load_scene_to_render(const RenderCommandOptions& options) {
     const Progress loading = make_progress("loading the scene", Keeps::nothing);
     return load_scene(options.scene, options.common.memory, options.settings);
   }();
+  prepare_to_render(options, scene);
+  return scene;
+}
+
+void prepare_to_render(const RenderCommandOptions& options, Scene& scene) {
   std::ranges::move(implausible_sizes(scene), std::back_inserter(scene.warnings));
   warn(scene.warnings);
   apply(options, scene);
   if (!options.cache.empty() && !scene.render.method.is_open() && !scene.render.method->keeps_light)
     throw InvalidInput(fmt::format("--cache: the method must be {}, but is {}",
                                    methods_that_keep_light(), scene.render.method.name()));
-  return scene;
 }
 
 void add_render_command(CLI::App& app) {

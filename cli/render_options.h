@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "console.h"
+#include "lamina/render/render.h"
 #include "lamina/scene/description/scene.h"
 #include "picture_files.h"
 #include "picture_look.h"
@@ -32,6 +33,9 @@ struct RenderCommandOptions {
 /// The scene as it is to be rendered. @throws Error as load_scene, and for what the options ask
 [[nodiscard]] Scene load_scene_to_render(const RenderCommandOptions& options);
 
+/// What load_scene_to_render does once the scene is loaded.
+void prepare_to_render(const RenderCommandOptions& options, Scene& scene);
+
 /// Says warnings.
 void warn(const std::vector<std::string>& lines);
 
@@ -48,12 +52,27 @@ void warn(const std::vector<std::string>& lines);
                                                       const std::filesystem::path& file);
 
 /// Renders and writes the picture.
-/// @param checkpoint   as of checkpoint_beside
-/// @param has_changed  whether what it is made from has: the work then ends without a picture.
-///                     Empty where that is not asked for
+/// @param checkpoint  as of checkpoint_beside
 void render_picture(const RenderCommandOptions& options, const PictureFiles& files,
-                    const PictureLook& look, Scene scene, const std::filesystem::path& checkpoint,
-                    const std::function<bool()>& has_changed);
+                    const PictureLook& look, Scene scene,
+                    const std::filesystem::path& checkpoint);
+
+/// Options of the command for a picture and for writing it while it grows.
+[[nodiscard]] RenderOptions picture_options(const RenderCommandOptions& options,
+                                            const PictureFiles& files, const PictureLook& look,
+                                            const Film& film);
+
+/// Renders, light by light where that is asked for.
+[[nodiscard]] RenderResult render_as_asked(const RenderCommandOptions& options, Scene& scene,
+                                           const RenderOptions& how, const Progress& progress);
+
+[[nodiscard]] Progress picture_progress(const RenderCommandOptions& options);
+
+/// Writes a picture and says what is known of it.
+/// @param checkpoint  that keeps its samples if it is not complete; empty: none does
+void finish_picture(const RenderCommandOptions& options, const PictureFiles& files,
+                    const PictureLook& look, Scene scene, RenderResult result,
+                    const std::filesystem::path& checkpoint);
 
 /// Renders again whenever one of the files changes that loading the scene has read or looked for.
 void watch_picture(const RenderCommandOptions& options, const PictureFiles& files,

@@ -56,15 +56,6 @@ std::function<void(const Image&)> make_writer(const Film& film, const PictureFil
   };
 }
 
-/// Work that ends where what it is made from has changed.
-/// @param has_changed  may be empty
-Progress until_changed(Progress progress, const std::function<bool()>& has_changed) {
-  if (!has_changed) return progress;
-  return [progress = std::move(progress), has_changed](double finished) {
-    return progress(finished) && !has_changed();
-  };
-}
-
 /// Lines on skin, on samples of the light and on its correction.
 std::string describe_materials(const Scene& scene, const RenderStatistics& s) {
   std::string lines;
@@ -152,38 +143,56 @@ JsonOutput picture_json(const RenderCommandOptions& options, const Scene& scene,
 
 }  // namespace
 
+RenderOptions picture_options(const RenderCommandOptions& options, const PictureFiles& files,
+                              const PictureLook& look, const Film& film) {
+  return {.cache = options.cache,
+          .memory = options.common.memory,
+          .needs_cache = options.needs_cache,
+          .takes_foreign_light = options.takes_foreign_light,
+          .has_mattes = options.has_mattes,
+          .on_notice = say,
+          .on_image = options.is_progressive ? make_writer(film, files, look) : nullptr};
+}
+
+RenderResult render_as_asked(const RenderCommandOptions& options, Scene& scene,
+                             const RenderOptions& how, const Progress& progress) {
+  return options.has_light_layers ? render_light_layers(scene, how, progress)
+                                  : render(scene, how, progress);
+}
+
+Progress picture_progress(const RenderCommandOptions& options) {
+  return make_progress("rendering",
+                       options.has_light_layers ? Keeps::nothing : Keeps::what_there_is);
+}
+
+namespace {
+
+void say_how_to_go_on(const fs::path& checkpoint) {
+  if (fs::exists(checkpoint))
+    say("stopped early; the same command with --resume goes on from " + checkpoint.string());
+}
+
+}  // namespace
+
 void render_picture(const RenderCommandOptions& options, const PictureFiles& files,
-                    const PictureLook& look, Scene scene, const fs::path& checkpoint,
-                    const std::function<bool()>& has_changed) {
-  const auto say_how_to_go_on = [&] {
-    if (fs::exists(checkpoint))
-      say("stopped early; the same command with --resume goes on from " + checkpoint.string());
-  };
+                    const PictureLook& look, Scene scene, const fs::path& checkpoint) {
+  RenderOptions how = picture_options(options, files, look, scene.film);
+  how.checkpoint = checkpoint;
+  how.resumes = options.resumes;
+  how.keeps_samples = options.keeps;
   RenderResult result;
   try {
-    const RenderOptions how{
-        .cache = options.cache,
-        .memory = options.common.memory,
-        .needs_cache = options.needs_cache,
-        .takes_foreign_light = options.takes_foreign_light,
-        .checkpoint = checkpoint,
-        .resumes = options.resumes,
-        .keeps_samples = options.keeps,
-        .has_mattes = options.has_mattes,
-        .on_notice = say,
-        .on_image = options.is_progressive ? make_writer(scene.film, files, look) : nullptr};
-    const Progress progress =
-        until_changed(make_progress("rendering", options.has_light_layers ? Keeps::nothing
-                                                                          : Keeps::what_there_is),
-                      has_changed);
-    result = options.has_light_layers ? render_light_layers(scene, how, progress)
-                                      : render(scene, how, progress);
+    result = render_as_asked(options, scene, how, picture_progress(options));
   } catch (const Interrupted&) {
-    if (has_changed && !was_interrupted()) return;
-    say_how_to_go_on();
+    say_how_to_go_on(checkpoint);
     throw;
   }
-  if (has_changed && !result.statistics.is_complete && !was_interrupted()) return;
+  finish_picture(options, files, look, std::move(scene), std::move(result), checkpoint);
+}
+
+void finish_picture(const RenderCommandOptions& options, const PictureFiles& files,
+                    const PictureLook& look, Scene scene, RenderResult result,
+                    const fs::path& checkpoint) {
   if (options.denoises) {
     const Progress denoising = make_progress("denoising");
     result.image = denoise(result.image);
@@ -196,7 +205,7 @@ void render_picture(const RenderCommandOptions& options, const PictureFiles& fil
 
   const RenderStatistics& s = result.statistics;
   warn(s.warnings);
-  if (!s.is_complete) say_how_to_go_on();
+  if (!s.is_complete) say_how_to_go_on(checkpoint);
   scene.render.method = s.method;  // where it was left open
   write_json(picture_json(options, scene, s), options.common);
   print(options.common,

@@ -1,13 +1,17 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <chrono>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/io/files_read.h"
+#include "lamina/render/render_session.h"
 #include "render_options.h"
 #include "watched_files.h"
 
@@ -36,25 +40,48 @@ void refuse_with_watch(const RenderCommandOptions& options) {
 void watch_picture(const RenderCommandOptions& options, const PictureFiles& files,
                    const PictureLook& look) {
   refuse_with_watch(options);
+  RenderSession::Options how{.memory = options.common.memory,
+                             .has_small_pictures = false,
+                             .goes_on = false,
+                             .on_notice = say,
+                             .on_error = say};
+  how.prepare = [&](Scene& scene) {
+    prepare_to_render(options, scene);
+    if (options.has_light_layers) refuse_with_light_layers(options, files, scene);
+  };
+  how.render = [&](Scene& scene, const RenderOptions& given, const Progress& progress) {
+    RenderOptions all = picture_options(options, files, look, scene.film);
+    if (!options.has_light_layers) all.kept = given.kept;  // those change the lights
+    return render_as_asked(options, scene, all, progress);
+  };
+  how.progress = [&] { return picture_progress(options); };
+  how.on_result = [&](const Scene& scene, RenderResult result) {
+    finish_picture(options, files, look, scene, std::move(result), {});
+  };
+  std::unique_ptr<RenderSession> session;
   while (true) {
-    FilesRead reading;
     std::optional<WatchedFiles> watched;
-    try {
-      Scene scene = load_scene_to_render(options);
-      if (options.has_light_layers) refuse_with_light_layers(options, files, scene);
+    {
+      const FilesRead reading;
+      try {
+        if (session)
+          session->reload();
+        else
+          session = std::make_unique<RenderSession>(options.scene, options.settings, how);
+      } catch (const Error& error) {
+        say(error.what());
+      }
       watched.emplace(reading.files());
-      render_picture(options, files, look, std::move(scene), {},
-                     [&] { return watched->has_changed(); });
-    } catch (const Interrupted&) {
-      throw;
-    } catch (const Error& error) {
-      say(error.what());
-      if (!watched) watched.emplace(reading.files());
     }
+    while (session && session->status().is_working && !watched->has_changed())
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
     if (was_interrupted()) return;
-    if (!watched->has_changed())
+    if (watched->has_changed()) {
+      if (session) session->cancel();
+    } else {
       say(fmt::format("waiting for changes of {} file{}; Ctrl-C ends", watched->count(),
                       watched->count() == 1 ? "" : "s"));
+    }
     rest_between_works();
     watched->wait_for_change();
     const std::string changed = watched->name_of_changed();

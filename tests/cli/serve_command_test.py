@@ -101,7 +101,7 @@ def check_messages():
     client.refused('message:1: do must be "set"', do="sett")
     client.refused('unknown key "value"', do="set", value={})
     client.refused('--set camera.position', do="set", values={"camera.position": 3})
-    client.refused("there is no such file", do="set", values={"materials.wall.diffuse": {"map": "no.png"}})
+    client.refused("there is no such file", do="set", values={"materials.wall.diffuse": {"map": "no.png", "encoding": "srgb"}})
     client.refused("region", do="region", region=[0, 0, 999, 1])
     client.refused("format must be \"png\"", do="get", format="gif")
     for text, why in ((b"{", "message:1"), (b"3", '"do"'), (b"\xff", "message"), (b"[" * 500, "message:1"),

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <limits>
 #include <mutex>
 #include <string_view>
 #include <thread>
@@ -24,13 +25,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Pictures are no smaller than that, beside those of the film's own size [pixel].
+/// Pictures are no smaller than that, beside those of the film's own size [pixel]:
+/// test RenderSession.ShowsSmallPicturesFirstAndFirstLooksOfAMovedCamera.
 constexpr int least_side = 32;
 
 /// Samples per pixel of a picture that is smaller than the film.
 int samples_of(int fraction) { return fraction == 8 ? 4 : fraction == 4 ? 2 : 1; }
 
-constexpr int endless_samples = 1 << 20;
+constexpr int endless_samples = std::numeric_limits<int>::max();
 
 std::string_view path_of(std::string_view setting) { return setting.substr(0, setting.find('=')); }
 
@@ -164,7 +166,10 @@ class RenderSession::Work {
 
   Status status() const {
     const std::scoped_lock lock(mutex_);
-    return {.change = change_, .is_working = is_working_, .error = error_, .warnings = warnings_};
+    return {.change = change_,
+            .is_working = is_working_ || has_work_,
+            .error = error_,
+            .warnings = warnings_};
   }
 
   std::vector<FileState> files() const {
@@ -210,7 +215,7 @@ class RenderSession::Work {
       }
       try {
         render_all(change, stamp);
-      } catch (const Interrupted&) {
+      } catch (const Interrupted&) {  // by a change, or by progress
       } catch (const std::exception& error) {
         {
           const std::scoped_lock lock(mutex_);
@@ -289,9 +294,17 @@ class RenderSession::Work {
     if (is_whole && options_.goes_on && !(scene_.render.noise > 0.0f))
       how.goes_on_to = endless_samples;
     const StoppableLoops stoppable(ask);
-    const RenderResult result = render(scene_, how, [&](double) { return is_current(); });
+    const Progress told = options_.progress ? options_.progress() : Progress();
+    const Progress progress = [&](double finished) {
+      return report_progress(told, finished) && is_current();
+    };
+    RenderResult result =
+        options_.render ? options_.render(scene_, how, progress) : render(scene_, how, progress);
     if (!is_current()) throw Interrupted();
-    if (how.goes_on_to == 0) show(result.image, true);
+    const bool is_complete = result.statistics.is_complete;
+    if (is_complete && how.goes_on_to == 0) show(result.image, true);
+    if (is_whole && options_.on_result) options_.on_result(scene_, std::move(result));
+    if (!is_complete) throw Interrupted();
   }
 
   double seconds_since_change() const {

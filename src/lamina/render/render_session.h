@@ -52,6 +52,13 @@ class RenderSession {
     std::function<void(const std::string&)> on_notice;
     /// Told why a change has no picture. May be empty.
     std::function<void(const std::string&)> on_error;
+    /// Renders in place of render(), with more options. May be empty.
+    std::function<RenderResult(Scene&, const RenderOptions&, const Progress&)> render;
+    /// Gives the progress of a picture that begins, which may ask to stop it. May be empty.
+    std::function<Progress()> progress;
+    /// Told all of the final picture where the work does not go on, and of one that progress asked
+    /// to stop, as far as it is. May be empty.
+    std::function<void(const Scene&, RenderResult)> on_result;
   };
 
   /// Loads the scene and begins to render it.

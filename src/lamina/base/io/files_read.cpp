@@ -23,7 +23,10 @@ FileState state_of(const std::filesystem::path& file) {
 
 FilesRead::FilesRead() : outer_(told) { told = this; }
 
-FilesRead::~FilesRead() { told = outer_; }
+FilesRead::~FilesRead() {
+  told = outer_;
+  if (outer_) outer_->files_.merge(files_);
+}
 
 std::vector<FileState> FilesRead::files() const {
   std::vector<FileState> files;

@@ -21,7 +21,8 @@ struct FileState {
 [[nodiscard]] FileState state_of(const std::filesystem::path& file);
 
 /// While it lives: which files this thread reads by read_file_bytes and read_stream_bytes, or looks
-/// for in vain, each as it was just before. The last one made on a thread is told.
+/// for in vain, each as it was just before. The last one made on a thread is told, and at its end
+/// tells the one before.
 class FilesRead {
  public:
   FilesRead();

@@ -8,7 +8,8 @@
 namespace lamina {
 namespace {
 
-/// Parts that so many pictures have not asked for are forgotten.
+/// Parts that so many pictures have not asked for are forgotten:
+/// test KeptParts.ForgetsPartsThatNoPictureAsksFor.
 constexpr std::uint64_t most_pictures_unused = 16;
 
 }  // namespace

@@ -24,6 +24,7 @@ enum class SceneAspect {
   materials,  ///< what lies below: layers, recipes, their maps and colors
   settings,   ///< method, its numbers, bounces, seed
 };
+// test KeptParts.AreMadeAnewByTheTableRowByRow
 inline constexpr std::size_t scene_aspect_count = 8;
 
 /// A number for each aspect of a scene, that differs where it does.
@@ -39,7 +40,6 @@ enum class KeptPart {
   entering_light,  ///< light sampled on surfaces: texture_space, hierarchy
   leaving_light,   ///< after it has scattered: texture_space
 };
-inline constexpr std::size_t kept_part_count = 7;
 
 /// Whether a part follows from an aspect.
 enum class Need : char {
@@ -60,7 +60,7 @@ struct KeptPartNeeds {
 /// it is sampled where it is seen. The camera counts for texels by their width alone, which is a
 /// number that they are asked for by.
 // clang-format off
-inline constexpr std::array<KeptPartNeeds, kept_part_count> kept_part_needs = {{
+inline constexpr auto kept_part_needs = std::to_array<KeptPartNeeds>({
     //                                       meshes
     //                                        images
     //                                         lights
@@ -76,8 +76,9 @@ inline constexpr std::array<KeptPartNeeds, kept_part_count> kept_part_needs = {{
     {KeptPart::texel_layers,   "texel_layers",   "x...~.xx"},
     {KeptPart::entering_light, "entering_light", "x~x~~x~x"},
     {KeptPart::leaving_light,  "leaving_light",  "x~x~~xxx"},
-}};
+});
 // clang-format on
+inline constexpr std::size_t kept_part_count = kept_part_needs.size();
 
 [[nodiscard]] constexpr Need need_of(KeptPart part, SceneAspect aspect) {
   return static_cast<Need>(kept_part_needs[static_cast<std::size_t>(part)]
@@ -163,7 +164,7 @@ class KeptParts {
       return serves && serves(*static_cast<const Part*>(part));
     });
   }
-  /// What is made from parts that stand in is no part of a picture without them.
+  /// Keeps a part; one that is made from parts that stand in serves no picture without them.
   std::uint64_t put(KeptPart kind, std::uint64_t place, std::uint64_t more,
                                   std::shared_ptr<const void> part);
 

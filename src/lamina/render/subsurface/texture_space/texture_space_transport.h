@@ -81,7 +81,7 @@ class TextureSpaceTransport final : public SubsurfaceMethod<N> {
   /// @throws InvalidInput as TextureAtlas, or if no texel lies on the material.
   void make_texels(float spacing);
 
-  /// What the layers are at each texel.
+  /// Layers at each texel.
   struct TexelLayers {
     CellGraph graph;
     std::vector<SurfaceLayers<N>> layers;  ///< [side], over `graph`; one, if both are alike
