@@ -33,7 +33,7 @@ struct RenderCommandOptions {
 /// The scene as it is to be rendered. @throws Error as load_scene, and for what the options ask
 [[nodiscard]] Scene load_scene_to_render(const RenderCommandOptions& options);
 
-/// What load_scene_to_render does once the scene is loaded.
+/// Does what load_scene_to_render does once the scene is loaded.
 void prepare_to_render(const RenderCommandOptions& options, Scene& scene);
 
 /// Says warnings.
