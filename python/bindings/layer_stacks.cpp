@@ -18,20 +18,24 @@ namespace {
 /// As pickles hold a lobe: its weight, and g, or None for Rayleigh.
 using LobeState = std::pair<double, std::optional<double>>;
 
+void add_lobes(std::vector<LobeState>& lobes, double weight, const HenyeyGreenstein& phase) {
+  lobes.emplace_back(weight, phase.g);
+}
+
+void add_lobes(std::vector<LobeState>& lobes, double weight, const Rayleigh& /*phase*/) {
+  lobes.emplace_back(weight, std::nullopt);
+}
+
+void add_lobes(std::vector<LobeState>& lobes, double /*weight*/, const PhaseMixture& mixture) {
+  for (const auto& [share, phase] : mixture.lobes)
+    std::visit([&, weight = share](const auto& lobe) { add_lobes(lobes, weight, lobe); }, phase);
+}
+
 /// None where the phase function is Henyey-Greenstein by the layer's g.
 std::optional<std::vector<LobeState>> phase_state(const Layer& layer) {
   if (!layer.phase) return std::nullopt;
   std::vector<LobeState> lobes;
-  const auto add = [&](double weight, const auto& phase) {
-    if (const auto* lobe = std::get_if<HenyeyGreenstein>(&phase))
-      lobes.emplace_back(weight, lobe->g);
-    else
-      lobes.emplace_back(weight, std::nullopt);
-  };
-  if (const auto* mixture = std::get_if<PhaseMixture>(&*layer.phase))
-    for (const PhaseMixture::Lobe& lobe : mixture->lobes) add(lobe.weight, lobe.phase);
-  else
-    add(1.0, *layer.phase);
+  std::visit([&](const auto& kind) { add_lobes(lobes, 1.0, kind); }, *layer.phase);
   return lobes;
 }
 

@@ -20,7 +20,7 @@ double at(const std::vector<double>& values, std::size_t band, const std::string
 /// A share of sigma_s [1/mm] and how it scatters.
 struct Scatterer {
   double sigma_s;
-  std::variant<HenyeyGreenstein, Rayleigh> phase;
+  decltype(PhaseMixture::Lobe::phase) phase;
 };
 
 /// The medium of a layer and, unless it is Henyey-Greenstein, its phase function.
@@ -47,10 +47,12 @@ class Mixer {
     Mixed mixed{.medium = {.sigma_a = sigma_a_, .sigma_s = sigma_s, .ior = ior}, .phase = {}};
     if (scatterers_.empty()) return mixed;
     if (scatterers_.size() == 1) {
-      if (const auto* hg = std::get_if<HenyeyGreenstein>(&scatterers_[0].phase))
+      if (const auto* hg = std::get_if<HenyeyGreenstein>(&scatterers_[0].phase)) {
         mixed.medium.g = hg->g;
-      else
-        mixed.phase = Rayleigh{};
+      } else {
+        std::visit([&](const auto& phase) { mixed.phase = phase; }, scatterers_[0].phase);
+        mixed.medium.g = mean_cosine(*mixed.phase);
+      }
       return mixed;
     }
     PhaseMixture mixture;

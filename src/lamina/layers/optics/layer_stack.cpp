@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <string>
+#include <variant>
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
@@ -26,12 +27,17 @@ void check(const Interface& interface, const std::string& where) {
           "roughness must lie in [0, 1]", interface.roughness);
 }
 
+void check(const HenyeyGreenstein& lobe, const std::string& where) {
+  require(-1.0 < lobe.g && lobe.g < 1.0, where, "g must lie in (-1, 1)", lobe.g);
+}
+
+void check(const Rayleigh& /*lobe*/, const std::string& /*where*/) {}
+
 void check(const PhaseMixture& mixture, const std::string& where) {
   double sum = 0.0;
   for (const auto& lobe : mixture.lobes) {
     require(lobe.weight > 0.0, where, "the weight of a phase function must be > 0", lobe.weight);
-    if (const auto* hg = std::get_if<HenyeyGreenstein>(&lobe.phase))
-      require(-1.0 < hg->g && hg->g < 1.0, where, "g must lie in (-1, 1)", hg->g);
+    std::visit([&](const auto& one) { check(one, where); }, lobe.phase);
     sum += lobe.weight;
   }
   require(std::abs(sum - 1.0) < 1e-9, where, "the weights of phase functions must sum to 1", sum);
@@ -49,7 +55,7 @@ void check(const Layer& layer, std::size_t index, bool is_bottom) {
           "thickness must be finite above the bottom layer [mm]", layer.thickness);
   check(layer.top, where);
   if (!layer.phase) return;
-  if (const auto* mixture = std::get_if<PhaseMixture>(&*layer.phase)) check(*mixture, where);
+  std::visit([&](const auto& kind) { check(kind, where); }, *layer.phase);
   const double mean = mean_cosine(*layer.phase);
   require(std::abs(mean - g) < 1e-9, where,
           "g must be the mean cosine of the phase function, " + number_text(mean), g);

@@ -43,45 +43,52 @@ double sample_one(const Rayleigh&, double u) {
   return std::clamp(root - 1.0 / root, -1.0, 1.0);
 }
 
+/// Mean of what `of` says of the lobes of a mixture, by their weights.
+template <typename Function>
+double mean_of_lobes(const PhaseMixture& mixture, const Function& of) {
+  double sum = 0.0;
+  for (const auto& lobe : mixture.lobes) sum += lobe.weight * std::visit(of, lobe.phase);
+  return sum;
+}
+
+double evaluate_one(const PhaseMixture& mixture, double cos_theta) {
+  return mean_of_lobes(mixture, [&](const auto& one) { return evaluate_one(one, cos_theta); });
+}
+
+double moment_one(const PhaseMixture& mixture, int l) {
+  return mean_of_lobes(mixture, [&](const auto& one) { return moment_one(one, l); });
+}
+
+template <typename Kind>
+double sample_kind(const Kind& kind, double u1, double /*u2*/) {
+  return sample_one(kind, u1);
+}
+
+double sample_kind(const PhaseMixture& mixture, double u1, double u2) {
+  const auto of = [&](const auto& one) { return sample_one(one, u1); };
+  for (const auto& lobe : mixture.lobes) {
+    if (u2 < lobe.weight) return std::visit(of, lobe.phase);
+    u2 -= lobe.weight;
+  }
+  return std::visit(of, mixture.lobes.back().phase);
+}
+
 }  // namespace
 
 double evaluate(const PhaseFunction& phase, double cos_theta) {
   assert(-1.0 <= cos_theta && cos_theta <= 1.0);
-  const auto of = [&](const auto& one) { return evaluate_one(one, cos_theta); };
-  if (const auto* mixture = std::get_if<PhaseMixture>(&phase)) {
-    double sum = 0.0;
-    for (const auto& lobe : mixture->lobes) sum += lobe.weight * std::visit(of, lobe.phase);
-    return sum;
-  }
-  if (const auto* hg = std::get_if<HenyeyGreenstein>(&phase)) return of(*hg);
-  return of(std::get<Rayleigh>(phase));
+  return std::visit([&](const auto& kind) { return evaluate_one(kind, cos_theta); }, phase);
 }
 
 double mean_cosine(const PhaseFunction& phase) { return legendre_moment(phase, 1); }
 
 double legendre_moment(const PhaseFunction& phase, int l) {
   assert(l >= 0);
-  const auto of = [&](const auto& one) { return moment_one(one, l); };
-  if (const auto* mixture = std::get_if<PhaseMixture>(&phase)) {
-    double sum = 0.0;
-    for (const auto& lobe : mixture->lobes) sum += lobe.weight * std::visit(of, lobe.phase);
-    return sum;
-  }
-  if (const auto* hg = std::get_if<HenyeyGreenstein>(&phase)) return of(*hg);
-  return of(std::get<Rayleigh>(phase));
+  return std::visit([&](const auto& kind) { return moment_one(kind, l); }, phase);
 }
 
 double sample_cos_theta(const PhaseFunction& phase, double u1, double u2) {
-  const auto of = [&](const auto& one) { return sample_one(one, u1); };
-  if (const auto* mixture = std::get_if<PhaseMixture>(&phase)) {
-    for (const auto& lobe : mixture->lobes) {
-      if (u2 < lobe.weight) return std::visit(of, lobe.phase);
-      u2 -= lobe.weight;
-    }
-    return std::visit(of, mixture->lobes.back().phase);
-  }
-  if (const auto* hg = std::get_if<HenyeyGreenstein>(&phase)) return of(*hg);
-  return of(std::get<Rayleigh>(phase));
+  return std::visit([&](const auto& kind) { return sample_kind(kind, u1, u2); }, phase);
 }
 
 }  // namespace lamina

@@ -3,6 +3,7 @@
 
 #include <cassert>
 #include <string>
+#include <type_traits>
 #include <variant>
 
 #include "lamina/base/core/error.h"
@@ -23,14 +24,24 @@ void set_lane(BandValues<N>& value, std::size_t lane, double x) {
 }
 
 std::vector<PhaseMixture::Lobe> lobes_of(const Layer& layer) {
-  const PhaseFunction phase = phase_function(layer);
-  if (const auto* mixture = std::get_if<PhaseMixture>(&phase)) return mixture->lobes;
-  if (std::holds_alternative<Rayleigh>(phase)) return {{1.0, Rayleigh{}}};
-  return {{1.0, std::get<HenyeyGreenstein>(phase)}};
+  return std::visit(
+      [](const auto& kind) -> std::vector<PhaseMixture::Lobe> {
+        if constexpr (std::is_same_v<decltype(kind), const PhaseMixture&>)
+          return kind.lobes;
+        else
+          return {{.weight = 1.0, .phase = kind}};
+      },
+      phase_function(layer));
 }
 
-bool is_rayleigh(const PhaseMixture::Lobe& lobe) {
-  return std::holds_alternative<Rayleigh>(lobe.phase);
+/// Writes the numbers of one wavelength of a lobe: `PhaseLobe` knows these kinds alone.
+template <typename V>
+void set_lobe(PhaseLobe<V>& lobe, std::size_t lane, const HenyeyGreenstein& phase) {
+  set_lane(lobe.g, lane, phase.g);
+}
+template <typename V>
+void set_lobe(PhaseLobe<V>& lobe, std::size_t, const Rayleigh&) {
+  lobe.is_rayleigh = true;
 }
 
 void require_smooth_inside(const LayerStack& stack) {
@@ -54,7 +65,7 @@ void require_one_build(const LayerStack& a, const LayerStack& b) {
     const auto of_a = lobes_of(a.layers()[k]), of_b = lobes_of(b.layers()[k]);
     is_same = of_a.size() == of_b.size();
     for (std::size_t l = 0; is_same && l < of_a.size(); ++l)
-      is_same = is_rayleigh(of_a[l]) == is_rayleigh(of_b[l]);
+      is_same = of_a[l].phase.index() == of_b[l].phase.index();
   }
   if (!is_same) throw InvalidInput("bands: all must have the same layers and kinds of particles");
 }
@@ -126,9 +137,8 @@ FirstOrderStack<V> make_stack(std::span<const LayerStack> bands, std::size_t lan
       const auto kinds = lobes_of(from);
       for (std::size_t l = 0; l < kinds.size(); ++l) {
         PhaseLobe<V>& lobe = made.lobes[to.first_lobe + l];
-        lobe.is_rayleigh = is_rayleigh(kinds[l]);
         set_lane(lobe.weight, lane, kinds[l].weight);
-        if (!lobe.is_rayleigh) set_lane(lobe.g, lane, std::get<HenyeyGreenstein>(kinds[l].phase).g);
+        std::visit([&](const auto& phase) { set_lobe(lobe, lane, phase); }, kinds[l].phase);
       }
     }
     made.is_matched_below &= stack.ior_below() == ior;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
+#include <variant>
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
@@ -41,13 +43,21 @@ void check(const MonteCarloOptions& options) {
           "roulette_weight must lie in (0, 0.5]", options.roulette_weight);
 }
 
-/// A phase function as Henyey-Greenstein and Rayleigh lobes.
+/// The lobes of a phase function, of which a mixture has several.
 std::vector<PhaseMixture::Lobe> lobes_of(const PhaseFunction& phase) {
-  if (const auto* mixture = std::get_if<PhaseMixture>(&phase)) return mixture->lobes;
-  if (const auto* hg = std::get_if<HenyeyGreenstein>(&phase))
-    return {{.weight = 1.0, .phase = *hg}};
-  return {{.weight = 1.0, .phase = Rayleigh{}}};
+  return std::visit(
+      [](const auto& kind) -> std::vector<PhaseMixture::Lobe> {
+        if constexpr (std::is_same_v<decltype(kind), const PhaseMixture&>)
+          return kind.lobes;
+        else
+          return {{.weight = 1.0, .phase = kind}};
+      },
+      phase);
 }
+
+/// A lobe as `Scene::lobe_g` holds it: the lanes know these kinds alone.
+float lane_g(const HenyeyGreenstein& lobe) { return static_cast<float>(lobe.g); }
+float lane_g(const Rayleigh& /*lobe*/) { return 2.0f; }
 
 void add_phase_functions(const LayerStack& stack, Scene& scene) {
   const bool is_simple = std::ranges::all_of(stack.layers(), [](const Layer& layer) {
@@ -63,9 +73,9 @@ void add_phase_functions(const LayerStack& stack, Scene& scene) {
     double end = 0.0;
     for (std::size_t i = 0; i < lobes.size(); ++i) {
       end += lobes[i].weight;
-      const auto* hg = std::get_if<HenyeyGreenstein>(&lobes[i].phase);
       scene.lobe_end.push_back(i >= last ? 2.0f : static_cast<float>(end));
-      scene.lobe_g.push_back(hg ? static_cast<float>(hg->g) : 2.0f);
+      scene.lobe_g.push_back(
+          std::visit([](const auto& lobe) { return lane_g(lobe); }, lobes[i].phase));
     }
   }
 }
