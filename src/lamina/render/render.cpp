@@ -277,6 +277,9 @@ bool prepare_light(const SubsurfaceMethods<N>& methods, const PathTracer<N>& tra
       expected_cpu_seconds<N>(methods, with, tracer, share_of_pixels(scene.scene->film));
   statistics.expected_memory_mib = memory_mib() + picture_mib(work.film, work.options);
   if (work.options.on_notice) work.options.on_notice(describe(statistics, scene.settings));
+  if (seen.count() == 0 && !translucent_materials_in_use(*scene.scene).empty())
+    statistics.warnings.push_back(
+        "the camera sees nothing translucent: does it look at the meshes, from outside?");
   const bool is_prepared = prepare(methods, with);
   statistics.light_samples = work.preparation.light_samples;
   statistics.corrections = work.preparation.corrections;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/parallel.h"
@@ -251,6 +253,16 @@ TEST(Subsurface, SpectralBandsGiveTheSameColorsAsRgb) {
     for (std::size_t c = 0; c < 3; ++c)
       EXPECT_NEAR(mean_of(image, c), mean_of(rgb, c), 2e-3) << count << ' ' << c;
   }
+}
+
+TEST(Subsurface, WarnsOfACameraThatSeesNothingTranslucent) {
+  Scene scene = furnace(one_layer({0.05, 0.3, 2.0}, 10.0, 1.3), 20.0f, 1);
+  EXPECT_TRUE(render(scene).statistics.warnings.empty());
+  scene.camera.look_at = 2.0 * scene.camera.position - scene.camera.look_at;
+  const std::vector<std::string> warnings = render(scene).statistics.warnings;
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0],
+            "the camera sees nothing translucent: does it look at the meshes, from outside?");
 }
 
 TEST(Subsurface, MoreThanSixteenBandsAreRefused) {
