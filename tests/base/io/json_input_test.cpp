@@ -121,6 +121,11 @@ TEST(JsonInput, UnknownKeySuggestsTheNearestOne) {
               (void)document.root().object({"sigmaa", "sigma_s"});
             }),
             "f:4: unknown key \"zzz\"");
+  EXPECT_EQ(
+      message_of([&] {
+        (void)document.root().object({"$schema", "sigmaa", "sigma_s", "g", "ior", "thickness"});
+      }),
+      "f:4: unknown key \"zzz\"; it can be \"g\", \"ior\" or \"thickness\"");
 }
 
 TEST(JsonInput, MissingKeyIsNamedWithItsObject) {

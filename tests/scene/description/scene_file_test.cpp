@@ -386,6 +386,14 @@ TEST(SceneFile, EveryBadFileIsRefusedInOneLineThatNamesTheFault) {
   EXPECT_GT(expect_refusals(inputs / "scene/bad", load_error, {"wrong_material.json"}), 80U);
 }
 
+TEST(SceneFile, MeshInPlaceOfASceneIsCalledAMesh) {
+  const fs::path mesh = inputs / "scene/good/triangle.gltf";
+  EXPECT_EQ(load_error(mesh),
+            mesh.string() +
+                ": must be a scene, but is a mesh, which a scene names as the "
+                "\"file\" of one of its \"meshes\"; lamina info says what it holds");
+}
+
 TEST(SceneFile, WarnsOfAMendedMeshAndOfDarkness) {
   const fs::path folder = fs::path(testing::TempDir()) / "scene_warnings";
   fs::create_directories(folder);

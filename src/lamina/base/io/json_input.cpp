@@ -164,10 +164,13 @@ JsonObject JsonInput::object(std::span<const std::string_view> keys) const {
     std::vector<std::string_view> missing;  // what the same file has already was not meant
     for (const std::string_view known : keys)
       if (is_option || !peek(known)) missing.push_back(known);
+    std::string choice = did_you_mean(key, missing);
+    std::erase(missing, "$schema");
+    if (choice.empty() && !missing.empty()) choice = "; it can be " + listed(missing);
     const std::string owner = path();
     throw InvalidInput(json_detail::place(*tree_, value.node_) + ": " +
                        (owner.empty() ? "" : owner + ": ") + "unknown key " + in_quotes(key) +
-                       did_you_mean(key, missing));
+                       choice);
   }
   return JsonObject(*this);
 }

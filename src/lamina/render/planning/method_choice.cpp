@@ -161,7 +161,7 @@ std::vector<std::string> warnings_of_small_bodies(const Scene& scene,
           "material " + quoted_name(scene, m) + ": its bodies are small, " + describe(*size) +
           ", but method " + std::string(method.name()) +
           " takes surfaces as flat: its light may be a tenth off, or a half in smaller ones; "
-          "take random_walk, or correct it");
+          "take quality final, which corrects it, or method random_walk");
   return lines;
 }
 

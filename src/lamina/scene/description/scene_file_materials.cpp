@@ -311,6 +311,10 @@ class MaterialDecoder {
       result_.vertex_colored = value.path();
       return parameter;
     }
+    if (value.is_string())
+      value.refuse(
+          "must be a number or an array of 3 numbers, an object with \"map\" or \"noise\", or "
+          "\"vertex_colors\"");
     if (!value.is_object()) {
       parameter.value = decode_color(value, closed_interval(0.0, 1.0));
       return parameter;

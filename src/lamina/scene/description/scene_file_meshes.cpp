@@ -178,6 +178,8 @@ PolygonMesh decode_polygons(const JsonInput& value) {
 }
 
 std::uint32_t find_surface(const JsonInput& name, const SceneMaterials& materials) {
+  if (name.is_object() || name.is_array())
+    name.refuse("must be the name of a material (\"parts\" has one for each part)");
   const std::string wanted = name.string();
   std::vector<std::string_view> names;
   for (std::size_t m = 0; m < materials.listed; ++m)
@@ -305,6 +307,10 @@ std::uint32_t file_surface(const JsonInput& value, const PolygonMesh& polygons, 
   return materials.of_files[key] = place;
 }
 
+std::string quoted_part(const MeshPart& part) {
+  return part.labels.empty() ? "without a name" : "\"" + part.labels.front() + "\"";
+}
+
 /// [part], its material; no_index for parts that are left out.
 std::vector<std::uint32_t> decode_parts(const JsonInput& value, const PolygonMesh& polygons,
                                         SceneMaterials& materials, Images& images,
@@ -323,9 +329,10 @@ std::vector<std::uint32_t> decode_parts(const JsonInput& value, const PolygonMes
       material_of_part.push_back(
           file_surface(value, polygons, *part.material, materials, images, mm_per_unit));
     else
-      value.fail(
-          "\"material\" is required, but missing: \"parts\" does not name all parts, and the file "
-          "has no material for one of them");
+      value.fail(polygons.parts.size() == 1 ? std::string("\"material\" is required, but missing")
+                                            : "\"material\" is required, but missing: neither "
+                                              "\"parts\" nor the file has one for part " +
+                                                  quoted_part(part));
   }
   return material_of_part;
 }

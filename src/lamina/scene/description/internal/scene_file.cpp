@@ -2,6 +2,7 @@
 #include "lamina/scene/description/internal/scene_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -437,6 +438,12 @@ void make_background_transparent(Scene& scene) {
 }
 
 Scene load_scene(const JsonFile& file, MemoryBudget memory, std::span<const std::string> settings) {
+  constexpr std::array<std::string_view, 4> meshes = {".obj", ".ply", ".gltf", ".glb"};
+  if (!file.text && std::ranges::find(meshes, file.path.extension().string()) != meshes.end())
+    throw InvalidInput(
+        file.path.string() +
+        ": must be a scene, but is a mesh, which a scene names as the \"file\" of one of "
+        "its \"meshes\"; lamina info says what it holds");
   const JsonDocument document = load_json(file, memory, settings);
   return decode_scene(document.root());
 }
