@@ -68,12 +68,21 @@ std::string describe_materials(const Scene& scene, const RenderStatistics& s) {
                     light.change ? fmt::format("; twice as far apart the light differs by {:.2g} %",
                                                100.0 * *light.change)
                                  : "");
-  for (const LightCorrection& correction : s.corrections)
+  for (const LightCorrection& correction : s.corrections) {
+    const std::string& name = scene.materials[correction.material].name;
+    if (correction.walks == 0) {
+      lines += fmt::format("{}: stopped before its light was corrected: planar light\n", name);
+      continue;
+    }
+    const std::string part =
+        correction.share < 1.0 ? fmt::format(" ({:.0f} % of those wanted)", 100.0 * correction.share)
+                               : "";
     lines += fmt::format(
-        "{}: light corrected by {:.2g} million random walks, {:.2g} % of it; about {:.2g} % of "
+        "{}: light corrected by {:.2g} million random walks{}, {:.2g} % of it; about {:.2g} % of "
         "error left\n",
-        scene.materials[correction.material].name, 1e-6 * static_cast<double>(correction.walks),
-        100.0 * correction.change, 100.0 * correction.error_left);
+        name, 1e-6 * static_cast<double>(correction.walks), part, 100.0 * correction.change,
+        100.0 * correction.error_left);
+  }
   return lines;
 }
 
@@ -90,7 +99,8 @@ void add_materials(const Scene& scene, const RenderStatistics& s, JsonOutput& js
     json["corrections"].push_back({{"material", scene.materials[correction.material].name},
                                    {"walks", correction.walks},
                                    {"change", correction.change},
-                                   {"error_left", correction.error_left}});
+                                   {"error_left", correction.error_left},
+                                   {"share", correction.share}});
   for (const ProfileUse& use : s.profiles)
     json["profiles"].push_back(
         {{"material", scene.materials[use.material].name}, {"profile", name_of(use.source)}});

@@ -102,6 +102,7 @@ py::dict statistics_dict(const RenderStatistics& s, const Scene& scene) {
     entry["walks"] = one.walks;
     entry["change"] = one.change;
     entry["error_left"] = one.error_left;
+    entry["share"] = one.share;
     corrections.append(entry);
   }
   for (const ProfileUse& use : s.profiles) {

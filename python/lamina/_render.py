@@ -44,7 +44,7 @@ class Picture(Result):
     expected_cpu_seconds: float = quantity("as it seemed before", unit="s")
     is_complete: bool = setting("False after Ctrl-C")
     light_samples: list[dict[str, Any]] = setting("of hierarchy: material, spacing_mm, count, change")
-    corrections: list[dict[str, Any]] = setting("where light was corrected: material, walks, change, error_left")
+    corrections: list[dict[str, Any]] = setting("where light was corrected: material, walks, change, error_left, share of the walks that were wanted")
     profiles: list[dict[str, str]] = setting("what profile each material has")
     warnings: list[str] = setting("a line each")
     exposure: float = setting("of the scene's film [stops]")

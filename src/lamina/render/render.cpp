@@ -5,12 +5,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -95,17 +98,6 @@ LayeredMaterials<N> make_layered_materials(const RenderScene& scene,
   return layered;
 }
 
-/// Makes all methods ready. @return  false if progress asked to stop
-template <int N>
-bool prepare(const SubsurfaceMethods<N>& methods, const Preparation<N>& with) {
-  for (const auto& method : methods)
-    if (method) method->prepare_reflectance(with);
-  for (const auto& method : methods)
-    if (method && !method->prepare(with)) return false;
-  with.cache.save();
-  return true;
-}
-
 /// Where profiles come from, with a warning for what nobody asked for.
 void report_profiles(const Scene& scene, const RenderSettings& settings,
                      RenderStatistics& statistics) {
@@ -134,7 +126,9 @@ std::string describe(const RenderStatistics& statistics, const RenderSettings& s
   const int threads = thread_count();
   return "method " + std::string(statistics.method.name()) +
          (statistics.why_method.empty() ? "" : " (" + statistics.why_method + ")") +
-         (settings.quality && settings.is_corrected ? ", corrected" : "") +
+         (settings.quality && settings.is_corrected                       ? ", corrected"
+          : settings.quality == RenderSettings::Quality::final ? ", not corrected"
+                                                               : "") +
          (settings.quality ? ", " + std::to_string(settings.samples_per_pixel) + " samples" : "") +
          (settings.noise > 0.0f ? ": at most about " : ": about ") + seconds + " CPU-s" +
          (threads > 1 ? printf_text(", %.*f s on %d threads", expected < 9.5 ? 1 : 0,
@@ -260,11 +254,91 @@ struct PictureWork {
   FilmAccumulator& film;
   MatteFilm* mattes;  ///< null: none are wanted
   RenderStatistics& statistics;
-  std::uint64_t key = 0;            ///< of the picture, once it is prepared
+  double share_of_refinement = 0.0;  ///< of the time of refinement and samples
+  bool is_cut_short = false;         ///< asked to stop while light was refined
+  std::uint64_t key = 0;             ///< of the picture, once it is prepared
   PreparationReport preparation{};  ///< once it is prepared
 };
 
-/// Says what the picture will take, and prepares its methods. @return  as prepare()
+/// Lines on how light was corrected, where a quality chose it.
+void say_corrections(const PictureWork& work) {
+  if (!work.scene.settings.quality || !work.options.on_notice) return;
+  for (const LightCorrection& done : work.preparation.corrections)
+    if (done.walks > 0)
+      work.options.on_notice("light of \"" + work.scene.scene->materials[done.material].name +
+                             "\" corrected: about " +
+                             printf_text("%.2g", 100.0 * done.error_left) + " % of error left");
+}
+
+/// Methods with the time that they take to refine their light, by material [CPU s].
+template <int N>
+class LightMaker {
+ public:
+  LightMaker(const SubsurfaceMethods<N>& methods, const Preparation<N>& with, PictureWork& work)
+      : methods_(methods), with_(with), work_(work), seconds_(methods.size()) {
+    for (std::size_t m = 0; m < methods.size(); ++m)
+      if (methods[m]) seconds_[m] = methods[m]->expected_cost(with).refinement;
+  }
+
+  /// Makes all methods ready. @return  false if progress asked to stop
+  bool prepare() {
+    for (const auto& method : methods_)
+      if (method) method->prepare_reflectance(with_);
+    for (std::size_t m = 0; m < methods_.size(); ++m)
+      if (methods_[m] && !methods_[m]->prepare(for_method(m, work_.progress))) return false;
+    return true;
+  }
+
+  /// Makes their light better, until progress asks to stop.
+  void refine() {
+    const double left = work_.statistics.expected_cpu_seconds - (cpu_seconds() - work_.cpu_before);
+    const double of_samples = std::max(left - all_seconds(), 0.0);
+    double before = 0.0;
+    std::atomic<double> told = 0.0;
+    for (std::size_t m = 0; m < methods_.size(); ++m) {
+      if (!(seconds_[m] > 0.0)) continue;
+      const Progress progress = [&](double finished) {
+        // Work that turns out to be more does not take it back.
+        const double now = (before + finished * seconds_[m]) / (all_seconds() + of_samples);
+        told = std::max(told.load(), now);
+        return report_progress(work_.progress, told);
+      };
+      methods_[m]->refine(for_method(m, progress));
+      before += seconds_[m];
+    }
+    if (before > 0.0) work_.share_of_refinement = before / (before + of_samples);
+    work_.is_cut_short =
+        std::ranges::any_of(work_.preparation.corrections,
+                            [](const LightCorrection& done) { return done.share < 1.0; });
+  }
+
+ private:
+  double all_seconds() const { return std::accumulate(seconds_.begin(), seconds_.end(), 0.0); }
+
+  Preparation<N> for_method(std::size_t m, const Progress& progress) {
+    const auto on_more_work = [this, m](double seconds) {
+      constexpr double little = 1.2;
+      double& expected = work_.statistics.expected_cpu_seconds;
+      const double before = expected;
+      seconds_[m] += seconds;
+      expected += seconds;
+      if (work_.options.on_notice && std::max(before, expected) > little * std::min(before, expected))
+        work_.options.on_notice(
+            printf_text("%s than expected: about %.*f CPU-s in all",
+                        seconds > 0.0 ? "more work" : "less work", expected < 9.5 ? 1 : 0, expected));
+    };
+    return {with_.scene, with_.light, with_.camera,  with_.seen,
+            with_.cache, progress,    with_.report, on_more_work};
+  }
+
+  const SubsurfaceMethods<N>& methods_;
+  const Preparation<N>& with_;
+  PictureWork& work_;
+  std::vector<double> seconds_;
+};
+
+/// Says what the picture will take, and prepares its methods. @return  false if progress asked to
+/// stop before there is light
 template <int N>
 bool prepare_light(const SubsurfaceMethods<N>& methods, const PathTracer<N>& tracer,
                    const CameraRays& camera, const SeenSurface& seen, PictureWork& work) {
@@ -280,7 +354,13 @@ bool prepare_light(const SubsurfaceMethods<N>& methods, const PathTracer<N>& tra
   if (seen.count() == 0 && !translucent_materials_in_use(*scene.scene).empty())
     statistics.warnings.push_back(
         "the camera sees nothing translucent: does it look at the meshes, from outside?");
-  const bool is_prepared = prepare(methods, with);
+  LightMaker<N> maker(methods, with, work);
+  const bool is_prepared = maker.prepare();
+  if (is_prepared) {
+    maker.refine();
+    cache.save();
+    say_corrections(work);
+  }
   statistics.light_samples = work.preparation.light_samples;
   statistics.corrections = work.preparation.corrections;
   statistics.warnings.insert(statistics.warnings.end(), work.preparation.warnings.begin(),
@@ -296,6 +376,14 @@ bool add_samples(const PathTracer<N>& tracer, const CameraRays& camera, PictureW
   const RenderSettings& settings = work.scene.settings;
   const RenderOptions& options = work.options;
   const IndexRange range = sample_range(settings, options);
+  // What was asked to stop while light was refined still becomes a picture, of few samples.
+  constexpr std::int64_t samples_cut_short = 4;
+  const std::int64_t samples =
+      work.is_cut_short ? std::min(range.size(), samples_cut_short) : range.size();
+  const Progress progress = [&](double finished) {
+    const double begin = work.share_of_refinement;
+    return report_progress(work.progress, begin + (1.0 - begin) * finished) || work.is_cut_short;
+  };
   const PixelRectangle area = rendered_area(scene.film);
   const auto sample = [&](int in_x, int in_y, int in_range) {
     const int x = area.x + in_x, y = area.y + in_y;
@@ -315,12 +403,12 @@ bool add_samples(const PathTracer<N>& tracer, const CameraRays& camera, PictureW
     is_told = true;
     options.on_notice("warning: " + why + ": the samples so far are not kept, the work goes on");
   };
-  return add_tile_passes(
+  const bool is_completed = add_tile_passes(
       sample,
-      {.samples = static_cast<int>(range.size()),
-       .goes_on_to = options.goes_on_to,
+      {.samples = static_cast<int>(samples),
+       .goes_on_to = work.is_cut_short ? 0 : options.goes_on_to,
        .noise = settings.noise,
-       .checkpoint = options.checkpoint,
+       .checkpoint = work.is_cut_short ? std::filesystem::path() : options.checkpoint,
        .key = checkpoint_key(work.key, settings, options),
        .light = light_key(work.preparation),
        .resumes = options.resumes,
@@ -334,7 +422,8 @@ bool add_samples(const PathTracer<N>& tracer, const CameraRays& camera, PictureW
            },
        .on_checkpoint = on_checkpoint,
        .between_images = std::chrono::duration<double>(options.seconds_between_images)},
-      work.progress, work.film);
+      progress, work.film);
+  return is_completed && !work.is_cut_short;
 }
 
 /// @return  whether it was completed
@@ -360,7 +449,9 @@ bool trace_passes(const BandSet& bands, PictureWork& work) {
        coverings,
        {.max_bounces = scene.settings.max_bounces, .direct_light = work.options.direct_light}});
   const bool is_prepared = prepare_light(methods, tracer, camera, seen, work);
-  if (!is_prepared || work.options.only_prepares) return is_prepared;
+  if (!is_prepared) return false;
+  if (work.options.only_prepares || (work.options.part && work.is_cut_short))
+    return !work.is_cut_short;
   if (!work.options.checkpoint.empty() || work.options.part)
     work.key = picture_key(*scene.scene, scene.settings, work.options);
   return add_samples(tracer, camera, work);

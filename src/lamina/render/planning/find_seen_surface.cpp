@@ -7,7 +7,7 @@
 
 #include "lamina/base/core/parallel.h"
 #include "lamina/render/paths/path_tracer.h"
-#include "lamina/render/planning/internal/cpu_time.h"
+#include "lamina/base/core/cpu_time.h"
 #include "lamina/scene/description/materials_in_use.h"
 
 namespace lamina {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "lamina/render/planning/internal/cpu_time.h"
+#include "lamina/base/core/cpu_time.h"
 
 namespace lamina {
 namespace {
@@ -31,7 +31,7 @@ SubsurfaceCost total_cost(const SubsurfaceMethods<N>& methods, const Preparation
   for (const auto& method : methods) {
     if (!method) continue;
     const SubsurfaceCost cost = method->expected_cost(with);
-    total.preparation += cost.preparation;
+    total.preparation += cost.preparation + cost.refinement;
     if (cost.lookup) total.lookup = std::max(total.lookup.value_or(0.0), *cost.lookup);
     total.prepared_fraction = std::min(total.prepared_fraction, cost.prepared_fraction);
   }

@@ -1,6 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+
 #include "lamina/base/core/progress.h"
 #include "lamina/render/geometry/camera_rays.h"
 #include "lamina/render/shading/render_scene.h"
@@ -21,6 +23,8 @@ struct Preparation {
   LightCache& cache;
   const Progress& progress;
   PreparationReport& report;
+  /// Told of time that expected_cost() did not foresee, which may be negative [CPU s]. May be empty.
+  std::function<void(double seconds)> on_more_work = {};
 };
 
 }  // namespace lamina

@@ -25,6 +25,7 @@ struct LightCorrection {
   std::size_t walks = 0;
   double change = 0.0;      ///< of the light that leaves: root mean square over that of the light
   double error_left = 0.0;  ///< the same of what is still wrong, as far as halves of the walks tell
+  double share = 1.0;       ///< of the walks that were wanted: fewer after an early stop
 };
 
 /// Notes and costs of a method's preparation.

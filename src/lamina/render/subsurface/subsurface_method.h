@@ -69,6 +69,7 @@ struct Preparation;
 /// About how long a picture takes by a method, beside light above surfaces [CPU s].
 struct SubsurfaceCost {
   double preparation = 0.0;
+  double refinement = 0.0;         ///< by refine()
   std::optional<double> lookup;    ///< of the light at a point that the camera sees, once prepared;
                                    ///< absent: found by timing paths
   double prepared_fraction = 1.0;  ///< of the time of such paths, once prepared
@@ -88,6 +89,10 @@ class SubsurfaceMethod {
   /// Makes leaving_radiance ready, from the light that the gatherer finds.
   /// @return  false if progress asked to stop
   [[nodiscard]] virtual bool prepare(const Preparation<N>& /*with*/) { return true; }
+
+  /// Makes leaving_radiance, which is ready, better, until progress asks to stop: what there is by
+  /// then counts. Reports how far it is.
+  virtual void refine(const Preparation<N>& /*with*/) {}
 
   /// Asked before anything is prepared.
   [[nodiscard]] virtual SubsurfaceCost expected_cost(const Preparation<N>& /*with*/) const {

@@ -165,6 +165,29 @@ TEST(CorrectedTransport, IsKeptWithTheLight) {
   EXPECT_EQ(render(scene, options).image.pixels, planar.pixels);
 }
 
+// Progress goes up while light is corrected. Asked to stop meanwhile, the ratios so far make a
+// picture, of few samples.
+TEST(CorrectedTransport, MakesAPictureOfTheWalksSoFar) {
+  Scene scene = ball_to_correct(1.0);
+  scene.film = {.width = 16, .height = 16};
+  scene.render.hierarchy = {.spacing = 1.0f, .irradiance_samples = 2};
+  scene.render.samples_per_pixel = 16;
+  set_thread_count(1);
+  double last = 0.0;
+  const RenderResult result = render(scene, {}, [&](double finished) {
+    EXPECT_GE(finished, 0.98 * last);
+    last = finished;
+    return finished < 0.4;
+  });
+  set_thread_count(0);
+  EXPECT_FALSE(result.statistics.is_complete);
+  EXPECT_EQ(result.statistics.samples_per_pixel, 4.0);
+  ASSERT_EQ(result.statistics.corrections.size(), 1u);
+  EXPECT_GT(result.statistics.corrections[0].share, 0.1);
+  EXPECT_LT(result.statistics.corrections[0].share, 0.9);
+  EXPECT_GT(result.statistics.corrections[0].walks, 10'000u);
+}
+
 /// Of a ball in which light hardly gets round, in light of radiance 1 all around.
 void expect_flat_reflectance(const Scene& scene, double error) {
   const Material& skin = std::get<SubsurfaceSurface>(scene.materials[0].surface).material;

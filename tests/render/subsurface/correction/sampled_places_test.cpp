@@ -99,7 +99,7 @@ TEST(SampledPlaces, TakesMoreSamplesWhereItIsBrightAndFewWhereNobodyLooks) {
   const auto brightness = [](const Vec3f& at, float) { return at.x < 2.5f ? 1.0f : 4.0f; };
   const LightByFormula planar(brightness), walk(brightness);
   SampledSquare square(planar, walk);
-  ASSERT_TRUE(square.places.sample(60.0));
+  ASSERT_TRUE(square.places.sample(60.0, {}));
   const auto areas = std::vector(square.places.areas());
   const auto at = std::vector(square.places.places());
   const auto samples = square.places.samples(0.0f);
@@ -133,10 +133,10 @@ TEST(SampledPlaces, KnowsHowNoisyWalksAre) {
   const LightByFormula planar([](const Vec3f&, float) { return 1.0f; });
   const LightByFormula walk([](const Vec3f&, float random) { return 4.0f * random; });
   SampledSquare square(planar, walk);
-  ASSERT_TRUE(square.places.sample(16.0));
+  ASSERT_TRUE(square.places.sample(16.0, {}));
   const std::size_t first = square.places.sample_count();
   EXPECT_NEAR(square.places.noise(), std::numbers::inv_sqrt3, 0.02);
-  ASSERT_TRUE(square.places.sample(32.0));  // those there are count
+  ASSERT_TRUE(square.places.sample(32.0, {}));  // those there are count
   EXPECT_NEAR(static_cast<double>(square.places.sample_count()), 2.0 * static_cast<double>(first),
               0.2 * static_cast<double>(first));
 }
@@ -146,7 +146,7 @@ TEST(SampledPlaces, KnowsHowNoisyWalksAre) {
 TEST(SampledPlaces, CountsPlanarLightAsMoreEvenly) {
   const LightByFormula planar([](const Vec3f& at, float) { return at.x < 5.0f ? 1.0f : 0.0f; });
   SampledSquare square(planar, planar);
-  ASSERT_TRUE(square.places.sample(16.0));
+  ASSERT_TRUE(square.places.sample(16.0, {}));
   const float exitance = square.places.exitance_of_mean(0.1f);
   EXPECT_GT(exitance, 0.0f);
   double raised = 0.0, walked = 0.0;
@@ -159,7 +159,7 @@ TEST(SampledPlaces, CountsPlanarLightAsMoreEvenly) {
 
   const LightByFormula dark([](const Vec3f&, float) { return 0.0f; });
   SampledSquare night(dark, dark);
-  ASSERT_TRUE(night.places.sample(4.0));
+  ASSERT_TRUE(night.places.sample(4.0, {}));
   EXPECT_EQ(night.places.noise(), 0.0);
   EXPECT_EQ(night.places.exitance_of_mean(0.1f), 0.0f);
 }
@@ -183,8 +183,8 @@ TEST(SampledPlaces, TellWhetherDetailOfThePlanarLightIsRight) {
   const LightByFormula doubled(
       [&](const Vec3f& at, float random) { return 2.0f * noise(random) * striped(at); });
   SampledSquare wrong(planar, smooth), right(planar, doubled);
-  ASSERT_TRUE(wrong.places.sample(32.0));
-  ASSERT_TRUE(right.places.sample(32.0));
+  ASSERT_TRUE(wrong.places.sample(32.0, {}));
+  ASSERT_TRUE(right.places.sample(32.0, {}));
   EXPECT_LT(assess(wrong, 1.0f).left, assess(wrong, 0.01f).left - 0.05);
   EXPECT_LT(assess(right, 0.01f).left, assess(right, 1.0f).left - 0.05);
   const auto share_better = [](const SampledSquare& square) {
@@ -222,7 +222,7 @@ TEST(SampledPlaces, JudgeTheFitToEachHalfByTheOther) {
   const LightByFormula planar([](const Vec3f&, float) { return 1.0f; });
   const LightByFormula walk([](const Vec3f&, float random) { return 4.0f * random; });
   SampledSquare square(planar, walk);
-  ASSERT_TRUE(square.places.sample(16.0));
+  ASSERT_TRUE(square.places.sample(16.0, {}));
   const auto samples = square.places.samples(0.0f);
   CorrectionFit<4> even, noisy;
   even.shape[0] = BandValues<4>::filled(1.0f);
@@ -259,6 +259,7 @@ TEST(CorrectedTransport, TakesDetailAwayThatWalksDoNotFind) {
   CorrectedTransport<4> corrected(square.render_scene, 0, std::make_unique<LightByFormula>(striped),
                                   std::make_unique<LightByFormula>(noisy));
   ASSERT_TRUE(corrected.prepare(square.with));
+  corrected.refine(square.with);
   PixelSamples random(1, 0, 0);
   const float quarter = 0.5f * std::numbers::pi_v<float> / 12.0f;
   for (const float y : {-quarter, quarter}) {
@@ -290,7 +291,7 @@ TEST(SampledPlaces, CountLightThatComesStraightThroughTowardsTheEyeAlone) {
   const LampBehind walk;
   SampledSquare for_eye(planar, walk), for_all(planar, walk, {});
   for (const auto& [square, expected] : {std::pair{&for_eye, 5.0f}, {&for_all, 1.0f}}) {
-    ASSERT_TRUE(square->places.sample(16.0));
+    ASSERT_TRUE(square->places.sample(16.0, {}));
     for (const auto& of_place : square->places.samples(0.0f))
       for (const auto& sample : of_place) {
         ASSERT_GT(sample.planar[0], 0.0f);
@@ -302,8 +303,8 @@ TEST(SampledPlaces, CountLightThatComesStraightThroughTowardsTheEyeAlone) {
 TEST(SampledPlaces, LookAtTheEyeThatTheyAreForOrElseAllAround) {
   const LightByFormula planar([](const Vec3f&, float) { return 1.0f; });
   SampledSquare for_eye(planar, planar), for_all(planar, planar, {});
-  ASSERT_TRUE(for_eye.places.sample(16.0));
-  ASSERT_TRUE(for_all.places.sample(16.0));
+  ASSERT_TRUE(for_eye.places.sample(16.0, {}));
+  ASSERT_TRUE(for_all.places.sample(16.0, {}));
   for (const auto& of_place : for_eye.places.samples(0.0f))
     for (const auto& sample : of_place) EXPECT_NEAR(sample.terms[1], 0.71f, 0.05f);  // steep
   EXPECT_GT(for_all.places.places().size(), for_eye.places.places().size() + 10);
@@ -326,6 +327,7 @@ TEST(CorrectedTransport, CorrectsWhatTheCameraDoesNotSeeAsMuch) {
   SampledSquare square(*one, *one);
   CorrectedTransport<4> corrected(square.render_scene, 0, even(1.0f), even(2.0f));
   ASSERT_TRUE(corrected.prepare(square.with));
+  corrected.refine(square.with);
   PixelSamples random(1, 0, 0);
   for (const float x : {-9.9f, 0.0f, 9.0f}) {
     const Vec3f to_eye = normalize(Vec3f{3.0f, 0.0f, 1.0f});
@@ -346,8 +348,8 @@ TEST(SampledPlaces, AreThoseOfAnEyeNearby) {
   SampledSquare square(planar, walk),
       turned(planar, walk, {{60.0f * std::sin(angle), 0.0f, 60.0f * std::cos(angle)}},
              SampledSquare::unseen_end - 0.5f);
-  ASSERT_TRUE(square.places.sample(32.0));
-  ASSERT_TRUE(turned.places.sample(32.0));
+  ASSERT_TRUE(square.places.sample(32.0, {}));
+  ASSERT_TRUE(turned.places.sample(32.0, {}));
   const auto samples = square.places.samples(0.0f), of_turned = turned.places.samples(0.0f);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Vec3f at = square.places.places()[i].at.position;
@@ -366,7 +368,7 @@ TEST(SampledPlaces, AreThoseOfAnEyeNearby) {
 TEST(SampledPlaces, LookAtSeveralEyesInTurn) {
   const LightByFormula planar([](const Vec3f&, float) { return 1.0f; });
   SampledSquare square(planar, planar, {{-500.0f, 0.0f, 500.0f}, {500.0f, 0.0f, 500.0f}});
-  ASSERT_TRUE(square.places.sample(16.0));
+  ASSERT_TRUE(square.places.sample(16.0, {}));
   for (const auto& of_place : square.places.samples(0.0f))
     for (std::size_t s = 0; s + 3 < of_place.size(); s += 4) {
       const float first = of_place[s].terms[2] + of_place[s].terms[3];
@@ -381,8 +383,7 @@ TEST(SampledPlaces, LookAtSeveralEyesInTurn) {
 TEST(SampledPlaces, StopsWhenAskedTo) {
   const LightByFormula planar([](const Vec3f&, float) { return 1.0f; });
   SampledSquare square(planar, planar);
-  square.progress = [](double) { return false; };
-  EXPECT_FALSE(square.places.sample(16.0));
+  EXPECT_FALSE(square.places.sample(16.0, [](double) { return false; }));
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "lamina/base/core/vec.h"
-#include "lamina/render/subsurface/correction/internal/sampled_places.h"
 #include "lamina/render/subsurface/mean_ior.h"
 #include "lamina/render/subsurface/media/quiet_layers.h"
 #include "lamina/render/subsurface/random_walk/random_walk.h"
@@ -33,6 +32,7 @@ constexpr float least_cosine_of_pixel = 0.1f;  // at which its area on the surfa
 constexpr std::array<float, 3> more_of_mean = {0.01f, 1.0f, 10.0f};
 // Measured on one core of a Zen 4 [CPU s].
 constexpr double seconds_per_walk = 9e-6, seconds_per_walk_in_layers = 1.2e-4;
+constexpr double seconds_of_fit = 3e-4;  // at a place
 
 /// What flat layers reflect of diffuse light that has entered.
 double reflectance_of_entered(const LayerStack& layers) {
@@ -85,6 +85,12 @@ double CorrectedTransport<N>::places_wanted(const Preparation<N>& with) const {
 }
 
 template <int N>
+double CorrectedTransport<N>::seconds_of_refinement(const Preparation<N>& with) const {
+  const double per_walk = has_layers_ ? seconds_per_walk_in_layers : seconds_per_walk;
+  return places_wanted(with) * (samples_of_place * walks_of_sample * per_walk + seconds_of_fit);
+}
+
+template <int N>
 float CorrectedTransport<N>::spacing_of_places(const Preparation<N>& with) const {
   double area = 0.0;  // that pixels see, at a slant most of it
   for (const SurfacePoint& point : with.seen.points[material_]) {
@@ -119,9 +125,8 @@ Vec3f CorrectedTransport<N>::direction_to_eye(const Vec3f& position,
 template <int N>
 SubsurfaceCost CorrectedTransport<N>::expected_cost(const Preparation<N>& with) const {
   SubsurfaceCost cost = planar_->expected_cost(with);
-  cost.preparation += walk_->expected_cost(with).preparation +
-                      places_wanted(with) * samples_of_place * walks_of_sample *
-                          (has_layers_ ? seconds_per_walk_in_layers : seconds_per_walk);
+  cost.preparation += walk_->expected_cost(with).preparation;
+  cost.refinement = seconds_of_refinement(with);
   return cost;
 }
 
@@ -130,64 +135,50 @@ bool CorrectedTransport<N>::prepare(const Preparation<N>& with) {
   if (!planar_->prepare(with)) return false;
   if (!with.cache.is_wanted()) eyes_ = {to_float(scene_.scene->camera.position)};
   if (const LightRatioCloud* kept = with.cache.find_ratios(material_)) {
-    use(*kept, with.report);
+    use(*kept, 1.0, with.report);
+    walk_.reset();
+    if (with.on_more_work) with.on_more_work(-seconds_of_refinement(with));
     return true;
   }
-  if (!walk_->prepare(with)) return false;
-  std::optional<LightRatioCloud> found = find_ratios(with);
-  if (!found) return false;
-  use(*found, with.report);
-  if (!found->places.empty()) with.cache.add(*std::move(found));
-  return true;
+  return walk_->prepare(with);
 }
 
 template <int N>
-void CorrectedTransport<N>::use(const LightRatioCloud& cloud, PreparationReport& report) {
-  if (cloud.places.empty()) return;
-  std::vector<PlaceGraph::Place> places;
-  for (const auto& [position, normal, added_exitance] : cloud.places) {
-    places.push_back({{position, normal}, cloud.spacing});
-    added_exitance_.push_back(added_exitance);
-  }
-  graph_ = PlaceGraph(places);
-  auto number = cloud.shape.begin();
-  for (Bands& term : shape_)
-    for (int b = 0; b < bands_; ++b) term[b] = *number++;
-  ratios_.resize(places.size());
-  number = cloud.ratios.begin();
-  for (DirectionalRatio<N>& ratio : ratios_)
-    for (Bands& term : ratio)
-      for (int b = 0; b < bands_; ++b) term[b] = *number++;
-  // Elsewhere the planar light is all there is: what it counts as more there is next to nothing.
-  const float least_added = *std::ranges::min_element(added_exitance_);
-  Bands sum;
-  float count = 0.0f;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const auto& [position, normal] = places[i].at;
-    const Vec3f to_eye = direction_to_eye(position, normal);
-    if (added_exitance_[i] > least_added || !(dot(to_eye, normal) > 0.0f)) continue;
-    sum += ratio_at(ratios_[i], direction_terms_of(to_eye, normal, ior_));
-    ++count;
-  }
-  if (count > 0.0f) elsewhere_ = (1.0f / count) * sum;
-  report.corrections.push_back({.material = material_,
-                                .walks = cloud.walks,
-                                .change = cloud.change,
-                                .error_left = cloud.error_left});
-}
-
-template <int N>
-std::optional<LightRatioCloud> CorrectedTransport<N>::find_ratios(const Preparation<N>& with) {
+void CorrectedTransport<N>::refine(const Preparation<N>& with) {
+  if (!walk_) return;
   const typename SampledPlaces<N>::Methods methods{*planar_, *walk_, flat_over_quiet_, ior_,
                                                    bands_};
   const float spacing = spacing_of_places(with);
   SampledPlaces<N> places(scene_, material_, spacing, methods, with, eyes_);
-  if (!places.sample(first_samples)) return std::nullopt;
+  const double share = walk(places, with);
+  LightRatioCloud found;
+  if (share > 0.0) found = fit_ratios(places, spacing);
+  walk_.reset();  // memory: nobody walks any more
+  if (share > 0.0 && found.places.empty()) return;  // no light
+  found.material = material_;
+  use(found, share, with.report);
+  if (share == 1.0) with.cache.add(std::move(found));
+}
+
+template <int N>
+double CorrectedTransport<N>::walk(SampledPlaces<N>& places, const Preparation<N>& with) const {
+  // Nobody knows yet how many there will be: few, or four times as many.
+  constexpr double progress_of_look = 0.1;
+  if (!places.sample(first_samples, part_of(with.progress, 0.0, progress_of_look))) return 0.0;
   const double usual = has_layers_ ? usual_noise_in_layers : usual_noise;
   const double effort = std::clamp(places.noise() / usual, 1.0, most_effort);
-  if (!places.sample(samples_of_place * effort)) return std::nullopt;
-  walk_.reset();  // memory: nobody walks any more
+  const double mean = samples_of_place * effort;
+  const double seconds = places.seconds() * mean / first_samples +
+                         seconds_of_fit * static_cast<double>(places.places().size());
+  if (with.on_more_work) with.on_more_work(seconds - seconds_of_refinement(with));
+  return places.sample(mean, part_of(with.progress, progress_of_look, 1.0)) ? 1.0
+         : places.sample_count() > 0 ? std::min(places.samples_of_mean() / mean, 0.999)
+                                     : 0.0;
+}
 
+template <int N>
+LightRatioCloud CorrectedTransport<N>::fit_ratios(const SampledPlaces<N>& places,
+                                                  float spacing) const {
   LightRatioCloud found{.material = material_,
                         .bands = static_cast<std::size_t>(bands_),
                         .walks = walks_of_sample * places.sample_count(),
@@ -225,6 +216,43 @@ std::optional<LightRatioCloud> CorrectedTransport<N>::find_ratios(const Preparat
   add_bands(fit->shape, found.shape);
   for (const DirectionalRatio<N>& ratio : fit->ratios) add_bands(ratio, found.ratios);
   return found;
+}
+
+template <int N>
+void CorrectedTransport<N>::use(const LightRatioCloud& cloud, double share,
+                                PreparationReport& report) {
+  report.corrections.push_back({.material = material_,
+                                .walks = cloud.walks,
+                                .change = cloud.change,
+                                .error_left = cloud.error_left,
+                                .share = share});
+  if (cloud.places.empty()) return;
+  std::vector<PlaceGraph::Place> places;
+  for (const auto& [position, normal, added_exitance] : cloud.places) {
+    places.push_back({{position, normal}, cloud.spacing});
+    added_exitance_.push_back(added_exitance);
+  }
+  graph_ = PlaceGraph(places);
+  auto number = cloud.shape.begin();
+  for (Bands& term : shape_)
+    for (int b = 0; b < bands_; ++b) term[b] = *number++;
+  ratios_.resize(places.size());
+  number = cloud.ratios.begin();
+  for (DirectionalRatio<N>& ratio : ratios_)
+    for (Bands& term : ratio)
+      for (int b = 0; b < bands_; ++b) term[b] = *number++;
+  // Elsewhere the planar light is all there is: what it counts as more there is next to nothing.
+  const float least_added = *std::ranges::min_element(added_exitance_);
+  Bands sum;
+  float count = 0.0f;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto& [position, normal] = places[i].at;
+    const Vec3f to_eye = direction_to_eye(position, normal);
+    if (added_exitance_[i] > least_added || !(dot(to_eye, normal) > 0.0f)) continue;
+    sum += ratio_at(ratios_[i], direction_terms_of(to_eye, normal, ior_));
+    ++count;
+  }
+  if (count > 0.0f) elsewhere_ = (1.0f / count) * sum;
 }
 
 template <int N>

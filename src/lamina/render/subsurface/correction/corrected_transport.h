@@ -3,11 +3,11 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "lamina/render/subsurface/correction/internal/correction_fit.h"
 #include "lamina/render/subsurface/correction/internal/place_graph.h"
+#include "lamina/render/subsurface/correction/internal/sampled_places.h"
 #include "lamina/render/subsurface/preparation.h"
 #include "lamina/render/subsurface/subsurface_method.h"
 
@@ -43,7 +43,9 @@ class CorrectedTransport final : public SubsurfaceMethod<N> {
                      std::unique_ptr<SubsurfaceMethod<N>> walk);
 
   void prepare_reflectance(const Preparation<N>& with) override;
+  /// Makes planar light ready, and takes ratios that are kept. Others are found by refine().
   [[nodiscard]] bool prepare(const Preparation<N>& with) override;
+  void refine(const Preparation<N>& with) override;
   [[nodiscard]] SubsurfaceCost expected_cost(const Preparation<N>& with) const override;
 
   [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
@@ -61,14 +63,19 @@ class CorrectedTransport final : public SubsurfaceMethod<N> {
  private:
   /// Number of places that the pixels showing the material can use.
   [[nodiscard]] double places_wanted(const Preparation<N>& with) const;
+  /// About how long refine() takes [CPU s], before any walks are timed.
+  [[nodiscard]] double seconds_of_refinement(const Preparation<N>& with) const;
   /// Spacing of so many places where the surface is seen [mm].
   [[nodiscard]] float spacing_of_places(const Preparation<N>& with) const;
 
-  /// Walks, and fits what they find. Without a camera's preference where it is kept for others.
-  /// @return  no places if there is no light; nothing if progress asked to stop
-  [[nodiscard]] std::optional<LightRatioCloud> find_ratios(const Preparation<N>& with);
-  /// Takes ratios that were found. Comes before leaving_radiance.
-  void use(const LightRatioCloud& cloud, PreparationReport& report);
+  /// Walks until there are as many as their noise asks for.
+  /// @return  the share of those, less than 1 if progress asked to stop; 0 if too few are there
+  [[nodiscard]] double walk(SampledPlaces<N>& places, const Preparation<N>& with) const;
+  /// Fits what walks have found. @return  no places if there is no light
+  [[nodiscard]] LightRatioCloud fit_ratios(const SampledPlaces<N>& places, float spacing) const;
+  /// Takes ratios that were found.
+  /// @param share  of the walks that were wanted
+  void use(const LightRatioCloud& cloud, double share, PreparationReport& report);
 
   /// The direction to the eye that the ratio is for, of several the nearest to a direction; where
   /// it is for all, that direction.

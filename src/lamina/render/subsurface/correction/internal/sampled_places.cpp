@@ -8,6 +8,7 @@
 
 #include "lamina/base/core/parallel_chunks.h"
 #include "lamina/render/geometry/hemisphere.h"
+#include "lamina/base/core/cpu_time.h"
 #include "lamina/render/subsurface/correction/internal/zones_by_creases.h"
 #include "lamina/scene/surface/point_grid.h"
 
@@ -150,13 +151,28 @@ bool SampledPlaces<N>::find_shares() {
 }
 
 template <int N>
-bool SampledPlaces<N>::sample(double mean) {
+bool SampledPlaces<N>::sample(double mean, const Progress& progress) {
   if (shares_.empty() && !find_shares()) return false;
+  std::atomic<std::size_t> finished = 0;
   const auto sample_place = [&](std::size_t i) {
+    const double start = thread_cpu_seconds();
     const auto count = 2 * std::max(std::lround(mean / 2.0 * shares_[i]), 1L);  // of two halves
     while (std::ssize(samples_[i]) < count) add_sample(i);
+    seconds_ += thread_cpu_seconds() - start;
+    ++finished;
   };
-  return parallel_chunks(places_.size(), places_at_once, sample_place, with_.progress);
+  const Progress of_places = [&](double) {
+    return report_progress(progress,
+                           static_cast<double>(finished) / static_cast<double>(places_.size()));
+  };
+  return parallel_chunks(places_.size(), places_at_once, sample_place, of_places);
+}
+
+template <int N>
+double SampledPlaces<N>::samples_of_mean() const {
+  double share = 0.0;
+  for (const double of_place : shares_) share += of_place;
+  return share > 0.0 ? static_cast<double>(sample_count()) / share : 0.0;
 }
 
 template <int N>

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -39,9 +40,15 @@ class SampledPlaces {
   /// Samples until there are about so many at a place that is seen: fewer in the dark and more
   /// where it is bright, as the root of the light. So what is wrong is nearly even over the
   /// picture, and hardly more of the light in the dark. A third of them where nobody looks.
-  /// @param mean  >= 2
-  /// @return      false if progress asked to stop
-  [[nodiscard]] bool sample(double mean);
+  /// @param mean      >= 2
+  /// @param progress  told how far it is
+  /// @return          false if progress asked to stop: then some places have what they had before
+  [[nodiscard]] bool sample(double mean, const Progress& progress);
+
+  /// Time of all samples so far [CPU s].
+  [[nodiscard]] double seconds() const { return seconds_; }
+  /// About how many there are at a place, as `mean` of sample(), in the mean of places.
+  [[nodiscard]] double samples_of_mean() const;
 
   /// About what is by chance in samples of walks over the mean light, where places are seen: root
   /// mean square over area and bands. 0 where there is no light.
@@ -94,6 +101,7 @@ class SampledPlaces {
   std::vector<const SurfaceCell*> cells_;              ///< [place]
   std::vector<std::uint32_t> keys_;                    ///< [place]
   std::vector<double> shares_;                         ///< [place], of samples over their mean
+  std::atomic<double> seconds_ = 0.0;
   std::vector<std::vector<WalkedSample<N>>> samples_;  ///< [place]
   std::vector<std::vector<float>> exitances_;  ///< that leaves as 1 of exitance: of each sample
 };
