@@ -1,8 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <vector>
 
 #include "lamina/base/core/error.h"
@@ -163,6 +167,42 @@ TEST(ProfileMaker, AbsorptionThatMeetsAColorReflectsIt) {
   for (std::size_t b = 0; b < color.size(); ++b) {
     const LayerStack found = with_absorption(layers[b], series.factor(color[b], b));
     EXPECT_NEAR(material_totals(found).reflectance, color[b], 1e-3 * color[b]) << b;
+  }
+}
+
+/// How far two profiles are apart, weighted by the flux of rings, relative, the most of all bands.
+double mean_difference(const Profile& a, const Profile& b) {
+  double most = 0.0;
+  for (std::size_t band = 0; band < a.bands; ++band) {
+    double wrong = 0.0, all = 0.0;
+    for (std::size_t i = 0; i < a.r.size(); ++i) {
+      const double ring = a.r[i] * a.r[i];
+      wrong += ring * std::abs(a.reflectance_at(i, band) - b.reflectance_at(i, band));
+      all += ring * b.reflectance_at(i, band);
+    }
+    most = std::max(most, wrong / all);
+  }
+  return most;
+}
+
+TEST(ProfileMaker, SmoothTopsStandInForRoughOnes) {
+  Material material{.name = "stone", .ior_above = {1, 1, 1}, .ior_below = {1.5, 1.5, 1.5}};
+  material.layers = {{.name = "stone",
+                      .sigma_a = {0.002, 0.1, 2.0},
+                      .sigma_s = {2, 3, 10},
+                      .g = {0, 0, 0.8},
+                      .ior = {1.5, 1.5, 1.5},
+                      .thickness = std::numeric_limits<double>::infinity()}};
+  const ProfileMaker make_profile(RenderSettings{});
+  const auto made = [&] { return make_profile(material, layer_stacks(material)); };
+  const Profile smooth = made();
+  for (const auto& [roughness, most] : {std::array{0.2, 0.012}, {0.4, 0.03}}) {
+    material.layers[0].top.roughness = roughness;
+    const Profile rough = diffuse_transfer_profile(layer_stacks(material), std::nullopt);
+    EXPECT_LT(mean_difference(made(), rough), most) << roughness;
+    EXPECT_GT(mean_difference(smooth, rough), 2.0 * most) << roughness;
+    for (std::size_t b = 0; b < 3; ++b)
+      EXPECT_NEAR(made().total_reflectance[b] / rough.total_reflectance[b], 1.0, most) << roughness;
   }
 }
 

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -11,7 +10,6 @@
 #include "lamina/base/core/error.h"
 #include "lamina/layers/optics/symmetric_slab.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/solve/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/solve/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {
@@ -127,24 +125,6 @@ TEST(ThicknessProfiles, TakesSmoothLayersThatScatter) {
   EXPECT_FALSE(takes(LayerStack(
       {{.medium = {.ior = 1.4}, .thickness = 0.1}, {.medium = {.sigma_s = 2.0, .ior = 1.4}}}, 1.0,
       1.4)));
-}
-
-// What a renderer leaves out when it takes a top for smooth.
-TEST(ThicknessProfiles, RoughTopsChangeLittle) {
-  const auto per_entered = [](const LayerStack& stack) {
-    const double outside = diffuse_reflectance_outside(stack.layers()[0].top, 1.0, 1.5);
-    return per_entered_flux(alone(stack), std::vector{1.0 - outside});
-  };
-  const Profile smooth = per_entered(stone());
-  for (const auto& [roughness, least, most] : {std::array{0.1, 0.002, 0.005}, {0.3, 0.01, 0.022}}) {
-    const Profile rough = per_entered(stone(roughness));
-    const double change =
-        mean_difference(smooth.r, smooth.reflectance_profile, rough.reflectance_profile);
-    EXPECT_GT(change, least) << roughness;
-    EXPECT_LT(change, most) << roughness;
-    EXPECT_NEAR(smooth.total_reflectance[0], rough.total_reflectance[0],
-                0.006 * rough.total_reflectance[0]);
-  }
 }
 
 TEST(ThicknessProfiles, StopsWhenAsked) {
