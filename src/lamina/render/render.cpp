@@ -376,7 +376,8 @@ bool add_samples(const PathTracer<N>& tracer, const CameraRays& camera, PictureW
   const RenderSettings& settings = work.scene.settings;
   const RenderOptions& options = work.options;
   const IndexRange range = sample_range(settings, options);
-  // What was asked to stop while light was refined still becomes a picture, of few samples.
+  // A render that was asked to stop while light was refined still becomes a picture, of few samples:
+  // test CorrectedTransport.MakesAPictureOfTheWalksSoFar.
   constexpr std::int64_t samples_cut_short = 4;
   const std::int64_t samples =
       work.is_cut_short ? std::min(range.size(), samples_cut_short) : range.size();

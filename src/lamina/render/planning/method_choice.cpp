@@ -22,7 +22,7 @@ using Method = SceneMethod;
 
 /// Mean chords of a body in transport mean free paths below which flat profiles do not fit it:
 /// below the first they are a quarter off and more, and walks take less time; below the second a
-/// tenth, which is said. Witness: docs/measurements/subsurface.md, small bodies.
+/// tenth, which is said: test MethodChoice.FollowsLightInsideSmallBodies.
 constexpr double least_flat_size = 10.0, least_right_size = 30.0;
 
 using Quality = RenderSettings::Quality;

@@ -266,7 +266,8 @@ std::vector<Piece> make_pieces_of_first_level(const std::vector<Mesh>& meshes,
       const float wide = longest_edge(c);
       const int level = field.level((1.0f / 3.0f) * (c.p0 + c.p1 + c.p2));
       // The first level ends two of its cubes from what is seen along each axis, and what is seen
-      // is a width of the level below this one away, or more.
+      // is a width of the level below this one away, or more:
+      // test SampledPlaces.AreThoseOfAnEyeNearby.
       constexpr float reach = 3.5f;
       if (level > 0 && wide <= field.width(level - 1) - reach * field.width(0)) continue;
       if (wide > field.width(0))
@@ -299,10 +300,9 @@ std::vector<std::uint32_t> random_order(const std::vector<SurfaceElement>& eleme
                                         std::uint64_t seed) {
   std::vector<std::uint64_t> keys(elements.size());
   for_each_index(0, keys.size(), [&](std::size_t i) {
-    constexpr std::uint64_t upper_half = 0xffffffff00000000u;
-    keys[i] = ((element_key(elements[i]) ^ seed * 0x9e3779b97f4a7c15u) * 0xbf58476d1ce4e5b9u &
-               upper_half) |
-              i;
+    const std::uint64_t mixed =
+        (element_key(elements[i]) ^ seed * 0x9e3779b97f4a7c15u) * 0xbf58476d1ce4e5b9u;
+    keys[i] = mixed >> 32 << 32 | i;
   });
   std::ranges::sort(keys);
   return {keys.begin(), keys.end()};

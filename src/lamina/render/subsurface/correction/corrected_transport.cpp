@@ -162,7 +162,8 @@ void CorrectedTransport<N>::refine(const Preparation<N>& with) {
 
 template <int N>
 double CorrectedTransport<N>::walk(SampledPlaces<N>& places, const Preparation<N>& with) const {
-  // Nobody knows yet how many there will be: few, or four times as many.
+  // Nobody knows yet how many there will be, few or four times as many:
+  // test CorrectedTransport.MakesAPictureOfTheWalksSoFar.
   constexpr double progress_of_look = 0.1;
   if (!places.sample(first_samples, part_of(with.progress, 0.0, progress_of_look))) return 0.0;
   const double usual = has_layers_ ? usual_noise_in_layers : usual_noise;

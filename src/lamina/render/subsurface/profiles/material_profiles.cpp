@@ -126,6 +126,7 @@ template <int N>
 float MaterialProfiles<N>::thinnest_place(float nearest, float reach) const {
   if (surface_.thickness.value > 0.0f)
     return std::max(range_of(scene_.textures, {&surface_.thickness, 1}).first, 0.0f);
+  // Rays of a hundredth of a second: test MaterialProfiles.MakesSlabsThatObjectsAskFor.
   constexpr std::size_t most_places = 16384;
   const std::vector<Mesh>& meshes = scene_.scene->meshes;
   std::size_t triangles = 0;

@@ -23,7 +23,8 @@ namespace {
 
 constexpr double profile_accuracy = 0.02;
 
-/// Roughness of a top up to which a smooth one stands in for it.
+/// Roughness of a top up to which a smooth one stands in for it:
+/// test ProfileMaker.SmoothTopsStandInForRoughOnes.
 constexpr double roughest_stand_in = 0.4;
 
 /// The part of diffuse light that enters, [band].

@@ -23,13 +23,15 @@ namespace {
 
 using namespace detail;
 
-/// Directions, azimuthal modes and frequencies: test ThicknessProfiles. Half-spaces and thick slabs
-/// ask for fewer directions than thin ones, where light goes on in some: with 5 nodes R of skin and
-/// jade under paint is within .05 %, T of skin within .2 % from 10 mean free paths on.
+/// Directions, azimuthal modes and frequencies. Half-spaces and thick slabs ask for fewer directions
+/// than thin ones, where light goes on in some: with 5 nodes R of skin and jade under paint is within
+/// .05 %, T of skin within .2 % from 10 mean free paths on:
+/// test ThicknessProfiles.AgreeWithSlabsSolvedOneByOne.
 constexpr int nodes_of_thin_slabs = 8, nodes_of_thick_ones = 5, modes = 4, frequencies = 24;
 constexpr double thick = 10.0;  ///< optical thickness of the inner layer
 
-constexpr double totals_accuracy = 1e-4;  ///< of adding-doubling
+/// Accuracy of adding-doubling: test ThicknessProfiles.HasTheTotalsOfItsSlabs.
+constexpr double totals_accuracy = 1e-4;
 
 /// Straight rays of the lowest orders. Fewer do where they do not reach a far side: R and T of skin
 /// and marble within .05 % of those by twice as many, T of wax of a mean free path 5 % wrong with
@@ -40,10 +42,9 @@ StraightLight straight_light(double contact, bool is_thin) {
   return {.nodes = 8, .modes = 13, .frequencies = 24, .depth_nodes = 3, .contact = contact};
 }
 
-/// Optical thickness of the inner layer below which a body is thin.
+/// Optical thickness of the inner layer below which a body is thin, and from which on light of the
+/// lowest orders knows no far side: test ThicknessProfiles.AgreeWithSlabsSolvedOneByOne.
 constexpr double thin_for_straight_light = 6.0;
-
-/// Optical thickness of the inner layer from which on light of the lowest orders knows no far side.
 constexpr double opaque_to_straight_light = 10.0;
 
 /// Half-space of one band, and totals of it and its slabs.

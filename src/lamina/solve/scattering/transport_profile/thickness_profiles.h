@@ -22,8 +22,8 @@ struct ThicknessProfiles {
 struct ThicknessRange {
   double thinnest = 0.05;   ///< slab [mm], thicker than its outer layers
   double thickest = 200.0;  ///< slab [mm]; all are thinner
-  /// Of diffuse light: the first slab that lets less through in every band is the last, and none is
-  /// made if it is the thinnest.
+  /// Share of diffuse light: the first slab that lets less through in every band is the last, and
+  /// none is made if it is the thinnest.
   double least_transmittance = 2e-3;
 };
 

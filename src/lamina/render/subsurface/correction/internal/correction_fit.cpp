@@ -12,7 +12,7 @@
 namespace lamina {
 namespace {
 
-/// Widths that are tried: 1, 2, 4 … steps of the graph.
+/// Widths that are tried, 1, 2, 4 … steps of the graph: test FitCorrection.IsAsWideAsSeenPlacesAskFor.
 constexpr int widths = 9;
 constexpr int steps_of_width(int width) { return 1 << width; }
 
