@@ -11,7 +11,7 @@
 #include "lamina/layers/optics/fresnel.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/solve/scattering/low_orders/diffuse_single_scattering.h"
-#include "lamina/solve/scattering/low_orders/internal/diffuse_single_near.h"
+#include "lamina/solve/scattering/low_orders/single_at_contact.h"
 #include "lamina/solve/scattering/low_orders/unscattered_paths.h"
 #include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/solve/scattering/transport_profile/spatial_frequency_response.h"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "lamina/solve/scattering/low_orders/diffuse_single_scattering.h"
-#include "lamina/solve/scattering/low_orders/internal/diffuse_single_near.h"
+#include "lamina/solve/scattering/low_orders/single_at_contact.h"
 #include "lamina/solve/scattering/low_orders/unscattered_paths.h"
 #include "lamina/solve/scattering/spatial_frequency/frequency_spectrum.h"
 #include "lamina/solve/scattering/spatial_frequency/rough_inside.h"

@@ -13,7 +13,7 @@
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/solve/scattering/low_orders/diffuse_lowest_orders.h"
 #include "lamina/solve/scattering/low_orders/diffuse_single_scattering.h"
-#include "lamina/solve/scattering/low_orders/internal/diffuse_single_near.h"
+#include "lamina/solve/scattering/low_orders/single_at_contact.h"
 #include "lamina/solve/scattering/low_orders/unscattered_paths.h"
 #include "lamina/solve/scattering/spatial_frequency/frequency_spectrum.h"
 #include "lamina/solve/scattering/spatial_frequency/slab_family.h"

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/solve/scattering/low_orders/internal/diffuse_single_near.h"
+#include "lamina/solve/scattering/low_orders/single_at_contact.h"
 
 #include <algorithm>
 #include <cmath>
