@@ -23,11 +23,12 @@ namespace {
 
 using namespace detail;
 
-/// Directions, azimuthal modes and frequencies. Half-spaces and thick slabs ask for fewer directions
-/// than thin ones, where light goes on in some: with 5 nodes R of skin and jade under paint is within
-/// .05 %, T of skin within .2 % from 10 mean free paths on:
+/// Directions, azimuthal modes and frequencies. Half-spaces and thick slabs ask for fewer
+/// directions than thin ones, where light goes on in some: with 5 nodes R of skin and of jade under
+/// paint is within .05 %, T of skin within .2 % from 10 mean free paths on:
 /// test ThicknessProfiles.AgreeWithSlabsSolvedOneByOne.
-constexpr int nodes_of_thin_slabs = 8, nodes_of_thick_ones = 5, modes = 4, frequencies = 24;
+constexpr int nodes_of_thin_slabs = 8, nodes_of_thick_ones = 5, modes_of_slabs = 4,
+              frequencies_of_slabs = 24;
 constexpr double thick = 10.0;  ///< optical thickness of the inner layer
 
 /// Accuracy of adding-doubling: test ThicknessProfiles.HasTheTotalsOfItsSlabs.
@@ -130,12 +131,13 @@ std::vector<ProfileCurves> solve_band(const Family& of_band, double thinnest,
   const bool is_thick = slabs == 0 || (inner.sigma_s + inner.sigma_a) * thinnest > thick;
   const SlabFamily family =
       make_slab_family(half_space, slab_with_inner_thickness(half_space, thinnest), slabs,
-                       is_thick ? nodes_of_thick_ones : nodes_of_thin_slabs, modes);
+                       is_thick ? nodes_of_thick_ones : nodes_of_thin_slabs, modes_of_slabs);
   std::vector<Body> bodies = make_bodies(family, half_space);
   // From the half-space's slowest decay to the thinnest slab's steepest rings.
   double highest = beam_frequencies_per_sigma_t(family.half_space.stack);
   if (slabs > 0) highest = std::max(highest, beam_frequencies_per_sigma_t(family.slab.stack));
-  const FrequencyGrid grid = make_frequency_grid(family.half_space.stack, frequencies, highest);
+  const FrequencyGrid grid =
+      make_frequency_grid(family.half_space.stack, frequencies_of_slabs, highest);
   respond(family, grid, bodies, goes_on);
   const double contact =
       single_at_contact(half_space, family.half_space.stack, family.half_space.top);
