@@ -27,8 +27,8 @@ using namespace detail;
 /// directions than thin ones, where light goes on in some: with 5 nodes R of skin and of jade under
 /// paint is within .05 %, T of skin within .2 % from 10 mean free paths on:
 /// test ThicknessProfiles.AgreeWithSlabsSolvedOneByOne.
-constexpr int nodes_of_thin_slabs = 8, nodes_of_thick_ones = 5, modes_of_slabs = 4,
-              frequencies_of_slabs = 24;
+constexpr int nodes_of_thin_slabs = 8, nodes_of_thick_ones = 5;
+constexpr int modes_of_slabs = 4, frequencies_of_slabs = 24;
 constexpr double thick = 10.0;  ///< optical thickness of the inner layer
 
 /// Accuracy of adding-doubling: test ThicknessProfiles.HasTheTotalsOfItsSlabs.
