@@ -13,6 +13,7 @@
 #include "images.h"
 #include "json_files.h"
 #include "lamina/render/render_session.h"
+#include "natives.h"
 #include "work.h"
 
 namespace lamina::python {
@@ -86,13 +87,15 @@ class Session {
 }  // namespace
 
 void bind_session(py::module_& module) {
-  py::class_<Session>(module, "Session")
-      .def(py::init<const std::string&, const std::optional<std::string>&,
-                    const std::vector<std::string>&>())
+  native_class<Session>(module, "Session")
       .def("set", &Session::set)
       .def("set_region", &Session::set_region)
       .def("picture", &Session::picture)
       .def("close", &Session::close);
+  module.def("open_session", [](const std::string& path, const std::optional<std::string>& text,
+                                const std::vector<std::string>& settings) {
+    return std::make_unique<Session>(path, text, settings);
+  });
 }
 
 }  // namespace lamina::python

@@ -47,7 +47,7 @@ class Session:
         self._files = ExitStack()
         try:
             path, text = self._files.enter_context(opened("scene", "scene", scene, folder))
-            self._session = _lamina.Session(path, text, settings_of(changes))
+            self._session = _lamina.open_session(path, text, settings_of(changes))
         except BaseException:
             self._files.close()
             raise
