@@ -256,7 +256,18 @@ TEST(RenderSession, ShowsSmallPicturesFirstAndFirstLooksOfAMovedCamera) {
     shown.push_back(picture);
   };
   RenderSession session(scene_of("texture_space", 320, "1"), {}, std::move(options));
-  (void)session.wait_for(Wait::final);
+  // Pictures are told after they are there to be asked for.
+  const auto wait_until_told = [&] {
+    (void)session.wait_for(Wait::final);
+    for (int i = 0; i < 500; ++i) {
+      {
+        const std::scoped_lock lock(mutex);
+        if (!shown.empty() && shown.back().is_final) return;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  };
+  wait_until_told();
   {
     const std::scoped_lock lock(mutex);
     ASSERT_GE(shown.size(), 4u);
@@ -267,7 +278,7 @@ TEST(RenderSession, ShowsSmallPicturesFirstAndFirstLooksOfAMovedCamera) {
     shown.clear();
   }
   session.set({"camera.position=[3, 3, 30]"});
-  (void)session.wait_for(Wait::final);
+  wait_until_told();
   const std::scoped_lock lock(mutex);
   ASSERT_GE(shown.size(), 3u);
   EXPECT_TRUE(shown.front().is_first_look);
