@@ -76,7 +76,7 @@ double mean_samples(const Image& image) {
 
 class RenderSession::Work {
  public:
-  Work(JsonFile file, std::vector<std::string> settings, Options options)
+  Work(JsonFile file, const std::vector<std::string>& settings, Options options)
       : file_(std::move(file)), options_(std::move(options)) {
     (void)set(settings);
     thread_ = std::thread([this] { run(); });
@@ -215,7 +215,8 @@ class RenderSession::Work {
       }
       try {
         render_all(change, stamp);
-      } catch (const Interrupted&) {  // by a change, or by progress
+      } catch (const Interrupted&) {
+        continue;  // by a change, or by progress
       } catch (const std::exception& error) {
         {
           const std::scoped_lock lock(mutex_);
@@ -351,8 +352,9 @@ class RenderSession::Work {
   std::thread thread_;
 };
 
-RenderSession::RenderSession(JsonFile scene, std::vector<std::string> settings, Options options)
-    : work_(std::make_unique<Work>(std::move(scene), std::move(settings), std::move(options))) {}
+RenderSession::RenderSession(JsonFile scene, const std::vector<std::string>& settings,
+                             Options options)
+    : work_(std::make_unique<Work>(std::move(scene), settings, std::move(options))) {}
 RenderSession::~RenderSession() = default;
 std::uint64_t RenderSession::set(const std::vector<std::string>& settings) {
   return work_->set(settings);

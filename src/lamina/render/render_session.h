@@ -63,7 +63,7 @@ class RenderSession {
 
   /// Loads the scene and begins to render it.
   /// @throws as load_scene
-  RenderSession(JsonFile scene, std::vector<std::string> settings, Options options);
+  RenderSession(JsonFile scene, const std::vector<std::string>& settings, Options options);
   ~RenderSession();
   RenderSession(const RenderSession&) = delete;
   RenderSession& operator=(const RenderSession&) = delete;

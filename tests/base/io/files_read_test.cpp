@@ -63,17 +63,19 @@ TEST_F(FilesReadTest, TellsAnotherSizeTimeOrFileInThePlaceOfOne) {
   EXPECT_FALSE(state_of(one).is_there);
 }
 
-TEST_F(FilesReadTest, InnerOneLeavesTheOuterOneAsItWas) {
+TEST_F(FilesReadTest, InnerOneTellsTheOuterOneAtItsEnd) {
   const fs::path one = file("one", "1"), two = file("two", "2");
   const FilesRead outer;
   {
     const FilesRead inner;
     (void)read_file_bytes(one);
     EXPECT_EQ(inner.files().size(), 1U);
+    EXPECT_TRUE(outer.files().empty());
   }
   (void)read_file_bytes(two);
-  ASSERT_EQ(outer.files().size(), 1U);
-  EXPECT_EQ(outer.files()[0].file, two);
+  ASSERT_EQ(outer.files().size(), 2U);
+  EXPECT_EQ(outer.files()[0].file, one);
+  EXPECT_EQ(outer.files()[1].file, two);
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 #include <mutex>
 
 #include "lamina/base/core/parallel.h"
+#include "lamina/base/io/cpu_time.h"
 #include "lamina/render/paths/path_tracer.h"
-#include "lamina/base/core/cpu_time.h"
 #include "lamina/scene/description/materials_in_use.h"
 
 namespace lamina {

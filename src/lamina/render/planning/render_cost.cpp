@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "lamina/base/core/cpu_time.h"
+#include "lamina/base/io/cpu_time.h"
 
 namespace lamina {
 namespace {

@@ -47,7 +47,7 @@ std::vector<LayerStack> with_smooth_bottoms(std::span<const LayerStack> bands) {
 /// flux are those under the rough top within 1 % in the mean at a roughness of .2 and 3 % at .4, with
 /// the index as it is 2 to 5 and 4 to 12 %: test ProfileMaker.SmoothTopsStandInForRoughOnes.
 LayerStack with_stand_in_top(const LayerStack& stack) {
-  const LayerStack smooth = with_smooth_ends(stack);
+  LayerStack smooth = with_smooth_ends(stack);
   const double roughness = stack.layers().front().top.roughness;
   if (roughness == 0.0 || stack.layers().front().medium.ior <= stack.ior_above()) return smooth;
   const Medium& first = stack.layers().front().medium;

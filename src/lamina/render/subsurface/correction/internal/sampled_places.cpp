@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "lamina/base/core/parallel_chunks.h"
+#include "lamina/base/io/cpu_time.h"
 #include "lamina/render/geometry/hemisphere.h"
-#include "lamina/base/core/cpu_time.h"
 #include "lamina/render/subsurface/correction/internal/zones_by_creases.h"
 #include "lamina/scene/surface/point_grid.h"
 
