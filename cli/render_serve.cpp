@@ -39,7 +39,8 @@ struct ServeOptions {
   int port = -1;
 };
 
-/// What the threads of a session leave for the thread that talks to the client.
+/// Pictures, notices and errors of a session's threads, queued for the thread that talks to the
+/// client.
 class News {
  public:
   News() {

@@ -231,23 +231,34 @@ int lowest_level(const SpacingField& field, const Corners& c) {
   return level;
 }
 
-/// All triangles of a material, those that are wide against the field in parts: [level].
-std::vector<std::vector<Piece>> make_pieces(const std::vector<Mesh>& meshes, std::uint32_t material,
-                                            const SpacingField& field) {
-  std::vector<std::vector<Piece>> pieces(field.is_even() ? 1 : SpacingField::levels);
+/// Visits the triangles of a material, and quarters of those of which a visit returns true, as often
+/// as it does.
+template <class Visit>  // (piece, its corners) -> whether to quarter it
+void for_pieces(const std::vector<Mesh>& meshes, std::uint32_t material, const Visit& visit) {
   std::vector<Piece> open;
   for_triangles(meshes, material, [&](const Corners&, std::uint32_t mesh, std::uint32_t t) {
     open.push_back({.mesh = mesh, .triangle = t});
     while (!open.empty()) {
       const Piece piece = open.back();
       open.pop_back();
-      const Corners c = corners(meshes, piece);
-      const int level = field.level((1.0f / 3.0f) * (c.p0 + c.p1 + c.p2));
-      if (level > 0 && longest_edge(c) > field.width(level))
-        add_quarters(piece, open);
-      else
-        pieces[static_cast<std::size_t>(lowest_level(field, c))].push_back(piece);
+      if (visit(piece, corners(meshes, piece))) add_quarters(piece, open);
     }
+  });
+}
+
+int level_of(const SpacingField& field, const Corners& c) {
+  return field.level((1.0f / 3.0f) * (c.p0 + c.p1 + c.p2));
+}
+
+/// All triangles of a material, those that are wide against the field in parts: [level].
+std::vector<std::vector<Piece>> make_pieces(const std::vector<Mesh>& meshes, std::uint32_t material,
+                                            const SpacingField& field) {
+  std::vector<std::vector<Piece>> pieces(field.is_even() ? 1 : SpacingField::levels);
+  for_pieces(meshes, material, [&](const Piece& piece, const Corners& c) {
+    const int level = level_of(field, c);
+    if (level > 0 && longest_edge(c) > field.width(level)) return true;
+    pieces[static_cast<std::size_t>(lowest_level(field, c))].push_back(piece);
+    return false;
   });
   return pieces;
 }
@@ -256,25 +267,18 @@ std::vector<std::vector<Piece>> make_pieces(const std::vector<Mesh>& meshes, std
 /// that do not touch it: wherever that is, each piece that stays is the same.
 std::vector<Piece> make_pieces_of_first_level(const std::vector<Mesh>& meshes,
                                               std::uint32_t material, const SpacingField& field) {
-  std::vector<Piece> pieces, open;
-  for_triangles(meshes, material, [&](const Corners&, std::uint32_t mesh, std::uint32_t t) {
-    open.push_back({.mesh = mesh, .triangle = t});
-    while (!open.empty()) {
-      const Piece piece = open.back();
-      open.pop_back();
-      const Corners c = corners(meshes, piece);
-      const float wide = longest_edge(c);
-      const int level = field.level((1.0f / 3.0f) * (c.p0 + c.p1 + c.p2));
-      // The first level ends two of its cubes from what is seen along each axis, and what is seen
-      // is a width of the level below this one away, or more:
-      // test SampledPlaces.AreThoseOfAnEyeNearby.
-      constexpr float reach = 3.5f;
-      if (level > 0 && wide <= field.width(level - 1) - reach * field.width(0)) continue;
-      if (wide > field.width(0))
-        add_quarters(piece, open);
-      else if (lowest_level(field, c) == 0)
-        pieces.push_back(piece);
-    }
+  std::vector<Piece> pieces;
+  for_pieces(meshes, material, [&](const Piece& piece, const Corners& c) {
+    const float wide = longest_edge(c);
+    const int level = level_of(field, c);
+    // The first level ends two of its cubes from places that are seen along each axis, and those
+    // are a width of the level below this one away, or more:
+    // test SampledPlaces.AreThoseOfAnEyeNearby.
+    constexpr float reach = 3.5f;
+    if (level > 0 && wide <= field.width(level - 1) - reach * field.width(0)) return false;
+    if (wide > field.width(0)) return true;
+    if (lowest_level(field, c) == 0) pieces.push_back(piece);
+    return false;
   });
   return pieces;
 }

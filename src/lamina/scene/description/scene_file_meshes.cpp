@@ -485,7 +485,7 @@ PolygonMesh keep_parts(PolygonMesh polygons, const std::vector<std::uint32_t>& m
   return kept;
 }
 
-/// What a mesh follows from, whose vertices nothing displaces.
+/// Key of a mesh without displacement: all that its vertices and triangles follow from.
 std::string key_of(const PolygonMesh& polygons, const MeshOptions& options,
                    const std::vector<std::uint32_t>& material_of_part) {
   Hash hash;

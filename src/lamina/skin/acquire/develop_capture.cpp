@@ -141,7 +141,7 @@ void fit_gains(Developed& developed, Capture& capture) {
   capture.gain_covariance = found.covariance;
 }
 
-/// Of each band, by noise and by calibration: what pixels have in the middle.
+/// Sets the errors of each band, by noise and by calibration: medians over the pixels.
 void set_errors(Capture& capture) {
   const std::size_t bands = capture.reflectance.channel_count();
   constexpr std::size_t most = 100000;  // pixels that are looked at

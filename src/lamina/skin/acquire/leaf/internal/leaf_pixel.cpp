@@ -121,7 +121,7 @@ LeafFit fit_leaf(const LeafPixelModel& model, std::span<const double> measured,
   LeafPrediction trial = prediction;
   fit.run([&](const LeafCoordinates& at) { return squares_at(model, measured, at, trial); },
           [&](std::size_t i, double x) { return std::clamp(x, model.low[i], model.high[i]); },
-          // What would leave its range is held at its end.
+          // Numbers that the gradient pushes out of their range are held at its end.
           [&](std::size_t i, double x, double gradient) {
             return (x <= model.low[i] && gradient > 0.0) || (x >= model.high[i] && gradient < 0.0);
           },
