@@ -231,8 +231,8 @@ int lowest_level(const SpacingField& field, const Corners& c) {
   return level;
 }
 
-/// Visits the triangles of a material, and quarters of those of which a visit returns true, as often
-/// as it does.
+/// Visits the triangles of a material, and quarters of those of which a visit returns true, as
+/// often as it does.
 template <class Visit>  // (piece, its corners) -> whether to quarter it
 void for_pieces(const std::vector<Mesh>& meshes, std::uint32_t material, const Visit& visit) {
   std::vector<Piece> open;

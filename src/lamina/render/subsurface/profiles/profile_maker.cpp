@@ -43,9 +43,10 @@ std::vector<LayerStack> with_smooth_bottoms(std::span<const LayerStack> bands) {
 }
 
 /// Layers with smooth ends and, for a rough top, a higher index above, which lets light out and in
-/// within a wider cone, as facets do, and more so the darker the first layer is. Profiles per entered
-/// flux are those under the rough top within 1 % in the mean at a roughness of .2 and 3 % at .4, with
-/// the index as it is 2 to 5 and 4 to 12 %: test ProfileMaker.SmoothTopsStandInForRoughOnes.
+/// within a wider cone, as facets do, and more so the darker the first layer is. Profiles per
+/// entered flux are those under the rough top within 1 % in the mean at a roughness of .2 and 3 %
+/// at .4, at an index of 1.33 1.4 and 3.4 %; with the index above as it is 2 to 5 and 4 to 12 %:
+/// test ProfileMaker.SmoothTopsStandInForRoughOnes.
 LayerStack with_stand_in_top(const LayerStack& stack) {
   LayerStack smooth = with_smooth_ends(stack);
   const double roughness = stack.layers().front().top.roughness;
